@@ -2,37 +2,68 @@
 # Copyright Contributors to the cg2raw Project.
 """The picture of a sensor's illuminants: drawn for any profile, with what it shows."""
 
+import io
+
 import numpy as np
 import pytest
-from matplotlib import style
+from matplotlib import image, style
 from matplotlib.figure import Figure
 
 import cg2raw
-from cg2raw.profile import plot
+from cg2raw.profile import plot, summary
 from dng import dng_files
 from python.commands import fails, run
 
-PNG = b"\x89PNG\r\n\x1a\n"
 NEUTRALS = [[0.9, 0.3], [0.6, 0.5], [0.4, 0.8], [0.5, 0.7]]
 
+EXTREME = [[0.01, 99], [99, 0.01], [1, 1]]
+# Profiles; samples, neutrals and ellipses of each, and the second line of its title.
 PROFILES = {
-    "a distribution": {},
-    "neutrals": {"illuminants": {"neutrals": NEUTRALS}},
-    "one neutral": {"illuminants": {"neutrals": NEUTRALS[:1]}},
-    "neutrals on a line": {"illuminants": {"neutrals": [[0.5, 0.5]] * 4}},
-    "extreme neutrals": {"illuminants": {"neutrals": [[0.01, 99], [99, 0.01], [1, 1]]}},
-    "no neutrals": {"illuminants": None},
-    "nothing to draw from": {
-        "illuminants": None,
-        "color_matrix_2": None,
-        "calibration_illuminant_2": None,
-    },
+    "a distribution": ({}, (200, 0, 3), "neutrals known by their distribution"),
+    "neutrals": ({"illuminants": {"neutrals": NEUTRALS}}, (200, 4, 3), "4 neutrals"),
+    "one neutral": (
+        {"illuminants": {"neutrals": NEUTRALS[:1]}},
+        (200, 1, 0),
+        "1 neutral",
+    ),
+    "neutrals on a line": (
+        {"illuminants": {"neutrals": [[0.5, 0.5]] * 4}},
+        (200, 4, 0),
+        "4 neutrals",
+    ),
+    "extreme neutrals": (
+        {"illuminants": {"neutrals": EXTREME}},
+        (200, 3, 3),
+        "3 neutrals",
+    ),
+    "no neutrals": ({"illuminants": None}, (200, 0, 0), "no neutrals"),
+    "nothing to draw from": (
+        {
+            "illuminants": None,
+            "color_matrix_2": None,
+            "calibration_illuminant_2": None,
+        },
+        (0, 0, 0),
+        "no neutrals",
+    ),
 }
 
 
-@pytest.mark.parametrize("changes", PROFILES.values(), ids=PROFILES)
-def test_any_profile_can_be_drawn(changes):
-    assert plot.plot_png(dng_files.sensor(**changes)).startswith(PNG)
+@pytest.mark.parametrize(
+    ("changes", "counts", "known"), PROFILES.values(), ids=PROFILES
+)
+def test_any_profile_can_be_drawn(changes, counts, known):
+    sensor = dng_files.sensor(**changes)
+    axes = Figure().add_subplot()
+    plot.draw_illuminants(axes, sensor, None)
+    dots = {dot.get_label(): len(dot.get_offsets()) for dot in axes.collections}
+    dashed = [line for line in axes.lines if line.get_linestyle() == "--"]
+    found = dots.get("sample:0 to sample:199", 0), dots.get("neutrals", 0)
+    assert (*found, len(dashed)) == counts
+    assert axes.get_title().splitlines()[1] == known
+    pixels = image.imread(io.BytesIO(plot.plot_png(sensor)))
+    assert pixels.shape == (780, 960, 4)  # 8 x 6.5 inches of 120 pixels
+    assert (pixels[..., :3] < 0.9).any(axis=2).mean() > 0.005  # not an empty page
 
 
 def test_the_same_profile_gives_the_same_bytes():
@@ -92,11 +123,16 @@ def test_temperatures_stay_within_the_picture():
             text.remove()
 
 
+def picture_of(sensor):
+    """Return the picture that the commands draw: temperatures are in its title."""
+    return plot.plot_png(sensor, summary.illuminants_of(sensor)["cct"])
+
+
 @pytest.mark.parametrize("command", [("sensors", "nikon-d40")], ids=" ".join)
 def test_the_option_plot(tmp_path, command):
     out = tmp_path / "lights.png"
     assert run(*command, "--plot", out).code == 0
-    assert out.read_bytes().startswith(PNG)
+    assert out.read_bytes() == picture_of(cg2raw.Sensor("nikon-d40"))
     assert "must end in .png" in fails(*command, "--plot", tmp_path / "lights.pdf")
     assert "needs the whole ID" in fails("sensors", "--plot", out)
 
@@ -105,4 +141,4 @@ def test_a_new_profile_is_drawn_with_it(tmp_path):
     photo, out = tmp_path / "a.dng", tmp_path / "lights.png"
     dng_files.write(photo, dng_files.sensor(), shape=(16, 24))
     assert run("profile", photo, "-o", tmp_path / "a.json", "--plot", out).code == 0
-    assert out.read_bytes().startswith(PNG)
+    assert out.read_bytes() == picture_of(cg2raw.Sensor(tmp_path / "a.json"))

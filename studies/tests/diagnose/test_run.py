@@ -14,7 +14,15 @@ from studies.diagnose import run as command
 from studies.diagnose.dense import dense_names
 from studies.diagnose.real_frames import VARIABLE
 from studies.diagnose.run import bench
-from studies.diagnose.scores import bounds, half_points, score, table
+from studies.diagnose.scores import (
+    Z95,
+    bounds,
+    errors,
+    half_points,
+    line,
+    score,
+    table,
+)
 from studies.diagnose.suites import SUITES, Case, cases
 
 
@@ -185,6 +193,95 @@ def test_half_points_lie_between_what_is_seen_and_what_is_not():
         for s in (1.0, 2.0, 3.0, 4.0, 5.0)
     ]
     assert half_points(records) == {"prnu": pytest.approx(12**0.5)}
+
+
+@pytest.mark.parametrize(
+    ("truth", "off"), [(1.0, 2 * Z95), (3.0, -Z95 / 2), (2.0, 0.0), (0.5, 3 * Z95)]
+)
+def test_errors_are_in_standard_errors_of_the_side_of_the_truth(truth, off):
+    """2, in an interval of 1.5 to 4: half of it is 0.5 below, 2 above."""
+    value = SimpleNamespace(value=2.0, ci95=(1.5, 4.0))
+    exact = SimpleNamespace(value=2.0, ci95=(2.0, 2.0))
+    parameters = {"sigma": value, "other": value, "exact": exact}
+    found = errors(
+        {"prnu": {"sigma": truth, "exact": 1.0, "absent": 1.0}, "blur": {"sigma": 9.0}},
+        SimpleNamespace(effects=[SimpleNamespace(name="prnu", parameters=parameters)]),
+    )
+    assert found == {"prnu.sigma": pytest.approx(off), "prnu.exact": 0.0}
+
+
+def record(hidden, names, verdict="explained", before=0.1, after=0.001, **more):
+    return {
+        **score(hidden, verdict_of(names, verdict, before, after)),
+        "hidden": hidden,
+        "seconds": 2.0,
+        **more,
+    }
+
+
+def test_a_line_counts_names_and_sets():
+    group = [
+        record(["prnu", "blur"], ["prnu", "dsnu"], errors={"prnu.sigma": 3.0}),
+        record(["prnu"], ["prnu"], errors={"prnu.sigma": -4.0}, seconds=5.0),
+        record(["prnu"], [], "unexplained", after=0.02, seconds=9.0),
+        record(["prnu"], [], "consistent", before=1e-4, after=1e-4),  # not visible
+    ]
+    rms, closed = 12.5**0.5, 0.99
+    cells = [4, 5, 2, 3, 1, 1, 2, 1, f"{rms:.2f}", f"{closed:.4f}", "3.5"]
+    assert line("prnu", group).split() == ["prnu", *map(str, cells)]
+
+
+def dense(names, offs, **more):
+    """Return a record of two hidden effects, of which blur was worth 6 of 5 nats."""
+    evidence = {"blur": 6.0, "prnu": 4.0}
+    missed = {name: evidence[name] for name in evidence if name not in names}
+    errors = {f"{number}": off for number, off in enumerate(offs)}
+    return record(
+        ["prnu", "blur"], names, errors=errors, evidence=missed, nats_needed=5.0, **more
+    )
+
+
+@pytest.mark.parametrize(
+    ("suite", "records", "expected"),
+    [
+        (
+            "dense-3",
+            [
+                dense(["blur"], [0.5, 1.9], after=0.0),  # what it missed is not visible
+                dense(["prnu"], [2.0], after=0.02),
+                dense(["blur", "prnu"], [-1.0], after=0.04),
+                dense(["blur", "prnu", "dsnu"], [-2.5], after=0.1),
+                dense(["prnu"], [], after=0.02),
+            ],
+            [2 / 5, 1 / 5, 1 / 8, 3 / 5, 0.8, 0.12],
+        ),
+        (
+            "single",
+            [
+                record(["prnu"], ["prnu"]),
+                record(["prnu"], ["blur"], after=0.03),
+                record(["prnu"], [], "consistent", 1e-4, 1e-4),
+            ],
+            [1 / 3, 1 / 2, 1 / 3, 0.845, 0.7145],
+        ),
+        (
+            "unknown",
+            [
+                record(["prnu"], [], "unexplained"),
+                record(["prnu"], ["blur"]),
+                record(["prnu"], [], "consistent", 1e-4, 1e-4),
+            ],
+            [1 / 2, 1 / 2],
+        ),
+        ("none", [record([], ["blur"]), record([], [], "unexplained")], [1 / 2, 1 / 2]),
+        ("nuisance", [record([], ["blur"]), record([], [])], [1 / 2, 1 / 2]),
+        ("real", [record(["prnu"], ["prnu", "blur"])], [1.0, 1.0]),
+    ],
+)
+def test_what_a_suite_measures(suite, records, expected):
+    """Shares of cases, then the median and the 5th percentile of the gaps closed."""
+    found = [value for _, value, _ in bounds(suite, records)]
+    assert found == pytest.approx(expected)
 
 
 SAMPLE = {"single": 1, "none": 12, "pairs": 4, "unknown": 1, "nuisance-none": 4}

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies.mitsuba_judge.scene import scene
+from studies.mitsuba_judge.kit import MAIN
+from studies.mitsuba_judge.scene import SKIES, scene
 from studies.mitsuba_judge.things import Spot, Thing
 from studies.world.lights import Lights
 
@@ -87,12 +88,23 @@ def test_reflectances_are_possible(scenes):
 
 
 def test_the_main_light_is_that_of_which_there_is_most(scenes):
-    each = scenes[0]
-    flux = np.zeros(len(each.spectra.lights))
-    for thing in each.things:
-        if thing.light is not None:
-            flux[thing.light] += thing.level * thing.area()
-    assert each.main == np.argmax(flux[: each.spectra.lamps])
+    for each in scenes:
+        flux = np.zeros(len(each.spectra.lights))
+        for thing in each.things:
+            if thing.light is not None:
+                flux[thing.light] += thing.level * thing.area()
+        assert each.main == np.argmax(flux[: each.spectra.lamps])
+        share = np.sqrt(flux) / np.sqrt(flux).sum()
+        assert each.mean_light() == pytest.approx(share @ each.spectra.lights)
+    assert len({each.main for each in scenes}) > 1
+
+
+def test_the_sky_is_as_bright_as_its_kind_and_glows_in_the_main_light(scenes):
+    for each in scenes:
+        low, high = SKIES[each.sky][0]
+        assert low <= each.sky_level <= high
+        of_the_sky = MAIN if each.sky == "glow" else each.spectra.sky
+        assert each.sky_light == of_the_sky != each.spectra.lamps + 1
 
 
 def test_a_spot_turns_what_stands_on_it():

@@ -7,7 +7,7 @@ import pytest
 
 from cg2raw.profile.illuminant_spectra import illuminant_spectrum
 from cg2raw.profile.spectral_file import WAVELENGTHS
-from studies.cameras import NUS
+from studies.cameras import CARDS, FILES, NUS, grey_cards
 from studies.protocol import PROTOCOL
 from studies.world.colorimetry import light_colours, observer
 from studies.world.lights import FAMILIES, mccamy, on_grid
@@ -75,6 +75,21 @@ def test_a_camera_meets_lights_as_its_grey_cards_did(name, half, world, camera_o
     mean = weight @ found
     assert mean == pytest.approx(cards.mean(), abs=0.05)
     assert np.sqrt(weight @ (found - mean) ** 2) == pytest.approx(cards.std(), rel=0.1)
+
+
+def test_grey_cards_are_red_green_and_blue_by_the_names_of_the_columns(
+    camera_data, tmp_path
+):
+    table, name = tmp_path / CARDS, "canon-600d"
+    table.parent.mkdir(parents=True)
+    (tmp_path / FILES[name]).parent.mkdir(parents=True)
+    (tmp_path / FILES[name]).symlink_to(camera_data / FILES[name])
+    rows = ["b,camera,g,r", "0.9,NikonD40,0.1,0.1", f"0.3,{NUS[name]},0.8,0.4"]
+    table.write_text("\n".join(rows))
+    cards = grey_cards(name, tmp_path)
+    assert cards.neutrals == pytest.approx(np.array([[0.5, 1.0, 0.375]]))
+    own, blue = cards.sensitivities, observer()[:, 2]
+    assert np.argmax(blue @ own / own.sum(axis=0)) == 2
 
 
 def test_lights_of_a_seed_are_the_same_and_of_two_seeds_are_not(world, camera_of):

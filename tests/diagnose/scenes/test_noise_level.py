@@ -10,7 +10,7 @@ import pytest
 from cg2raw import Sensor
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.scenes.model import Model
-from cg2raw.diagnose.scenes.noise_level import noise_models
+from cg2raw.diagnose.scenes.noise_level import ERROR_OF_MEDIAN, _line, noise_models
 from diagnose.planted import bare, capture_of, drawn, frames_of, sensor_of
 
 SHAPE = (128, 160)
@@ -102,3 +102,18 @@ def test_too_few_pixels_say_so():
     captures = [capture_of("dark", shape=raw.shape, raw=lambda: raw)]
     with pytest.raises(ValueError, match="give a profile with noise, and iso"):
         noise_models(CaptureSet(bare(sensor_of()), captures))
+
+
+def test_levels_with_edges_in_them_hardly_count():
+    level = np.linspace(0.02, 0.9, 20)
+    variance = 2e-4 * level + 1e-6
+    variance[[4, 11, 16]] *= 30
+    slope, offset = _line(level, variance, np.full(20, 4000.0))
+    assert (slope, offset) == pytest.approx((2e-4, 1e-6), rel=0.02)
+
+
+def test_the_error_of_a_median_is_that_of_normal_numbers():
+    """2000 draws tell a variance to 3 %."""
+    normal = np.random.default_rng(4).normal(size=(2000, 400))
+    variances = np.square(np.median(np.abs(normal), axis=1) / 0.6745)
+    assert ERROR_OF_MEDIAN == pytest.approx(400 * np.log(variances).var(), rel=0.1)

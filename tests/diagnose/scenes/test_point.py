@@ -157,4 +157,9 @@ def test_offsets_of_rows_are_integrated_out():
     assert products_of(a, point) == pytest.approx(expected, rel=1e-6)
     z = along.T @ rng.normal(size=SHAPE[0])
     assert np.square(without_offsets(z, point)).mean() < 0.05 * np.square(z).mean()
+    several = [capture_of("scene", 2, name=str(n), shape=SHAPE) for n in range(4)]
+    frames = frames_of(given, several)
+    [view] = views_of(frames)
+    [of_mean] = offsets_of(point_of(view, frames[0], Model(given), Excess()))
+    assert of_mean.sigma == pytest.approx(rows.sigma / 2)  # of four frames' mean
     assert Offset("", rows.labels, 1.0, 2.0).of(used).tolist() == [2.0] * used.sum()

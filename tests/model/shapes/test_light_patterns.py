@@ -5,8 +5,10 @@
 import numpy as np
 import pytest
 
+from cg2raw.model.shapes.light_patterns import Excess
+from cg2raw.model.shapes.pdaf_pixels import _mean
 from cg2raw.statistics.constant import ConstantStatistics, GroupInfo
-from cg2raw.statistics.lattice import lattice_of
+from cg2raw.statistics.lattice import _beside_neighbours, lattice_of
 from model.shapes.planted import BLACK, GAIN, SHAPE, darks, shown, statistics_of
 
 LEAST = np.log(33 / 0.01)
@@ -136,3 +138,23 @@ def test_one_pixel_is_no_lattice():
     light[40, 50] = 1e4
     found = lattice_of(light, 2)
     assert found is not None and not found.is_sure
+
+
+@pytest.mark.parametrize("defects", [0.0, 2e-3])
+def test_pixels_beside_their_neighbours_are_in_units_of_the_noise(defects):
+    """Of 2 % of pixels, which a defect is beside, two thirds were within the noise."""
+    rng = np.random.default_rng(6)
+    light = 0.3 + 0.01 * rng.normal(size=(240, 320)).astype(np.float32)
+    light[rng.random(light.shape) < defects] += 10
+    found = _beside_neighbours(light, 2)
+    within = np.abs(found[~np.isnan(found)]) < 1
+    assert within.mean() == pytest.approx(0.6827, abs=0.02)
+
+
+def test_the_mean_of_a_lattice_is_that_of_most_of_its_pixels():
+    values = np.random.default_rng(7).normal(-0.06, 0.01, 200)
+    values[::20] = 1.0
+    places = np.arange(200)
+    mean, error = _mean(Excess(places, places, values, np.full(200, 1e4)))
+    assert error == pytest.approx(0.01 / 190**0.5, rel=0.15)
+    assert mean == pytest.approx(-0.06, abs=4 * error)
