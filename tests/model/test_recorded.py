@@ -52,28 +52,31 @@ def test_white_is_the_mirror_of_zero():
 
 
 @pytest.mark.parametrize(
-    ("black", "drift", "lines", "fixed", "frames"),
+    ("black", "drift", "lines", "fixed", "frames", "charged"),
     [
-        (64.0, 0.0, 0.1, 0.2, 40),
-        (64.3, 0.2, 0.1, 0.2, 40),
-        (0.2, 0.2, 0.1, 0.2, 40),
-        (64.0, 0.0, 0.2, 0.05, 40),
-        (64.0, 0.0, 0.12, 0.05, 4),  # the mean of rows is half of what each frame has
+        (64.0, 0.0, 0.1, 0.2, 40, 0.0),
+        (64.3, 0.2, 0.1, 0.2, 40, 0.0),
+        (0.2, 0.2, 0.1, 0.2, 40, 0.0),
+        (64.0, 0.0, 0.2, 0.05, 40, 0.0),
+        (64.0, 0.0, 0.12, 0.05, 4, 0.0),  # the mean of rows is half of each frame's
+        (64.4, 0.14, 0.01, 0.05, 40, 0.0),  # quiet: variance is of where frames are
+        (64.3, 0.0, 0.01, 0.1, 40, 0.1),
     ],
 )
-def test_a_group_is_what_is_drawn(black, drift, lines, fixed, frames):
+def test_a_group_is_what_is_drawn(black, drift, lines, fixed, frames, charged):
     """Place, variance, response and excess of 600 x 60 pixels whose rows have offsets
     of their own in each frame and whose levels drift; the tolerances are four standard
-    errors of these draws."""
+    errors of these draws. charged : of the last, whose noise grows with its offsets."""
     rng = np.random.default_rng(5)
     sigma, shape = 0.3 if fixed > 0.1 else 0.2, (600, 60)
     pattern = fixed * rng.standard_normal(shape)
     levels = drift * rng.standard_normal((frames, 1, 1))
     levels -= levels.mean()
     offsets = pattern + levels + lines * rng.standard_normal((frames, shape[0], 1))
-    noise = sigma * rng.standard_normal((frames, *shape))
+    noise = np.sqrt(np.maximum(sigma**2 + charged * pattern, 0))
+    noise = noise * rng.standard_normal((frames, *shape))
     codes = np.clip(np.rint(black + offsets + noise), 0, WHITE)
-    about = Offsets(sigma**2, lines**2, fixed**2)
+    about = Offsets(sigma**2, lines**2, fixed**2, charged)
     levels, rows = codes.mean(axis=(1, 2)), codes.mean(axis=(0, 2))
     places = np.quantile(rows - rows.mean(), PLACES)
     recorder = recorder_of(levels, places, about, codes.var(), WHITE, black < 9)
@@ -90,7 +93,7 @@ def test_a_group_is_what_is_drawn(black, drift, lines, fixed, frames):
     assert found.fixed == pytest.approx(response, abs=0.02)
     left = power - variance / frames - response**2 * fixed**2
     assert found.steps == pytest.approx(left, abs=8e-4)
-    for n, name in enumerate(Offsets._fields):
+    for n, name in enumerate(Offsets._fields[:3]):
         more = about._replace(**{name: about[n] + 1e-5})
         by_steps = (recorder(more)[0] - values) / 1e-5
         np.testing.assert_allclose(slopes[:, n], by_steps, rtol=1e-2, atol=2e-3)

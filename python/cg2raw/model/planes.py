@@ -19,7 +19,13 @@ from cg2raw.model.components import (
 )
 from cg2raw.model.correlation import neighbours
 from cg2raw.model.evaluation import Evaluation, Parameters
-from cg2raw.model.recorded import Offsets, Recorder, recorder_of, shrunk
+from cg2raw.model.recorded import (
+    LEAST_OFFSET,
+    Offsets,
+    Recorder,
+    recorder_of,
+    shrunk,
+)
 from cg2raw.statistics.constant import (
     LAGS,
     PARTS,
@@ -31,6 +37,9 @@ from cg2raw.statistics.constant import (
 
 FAST_LINES = (PARTS.index("fast_rows"), PARTS.index("fast_columns"))
 LOW_ROWS = (PARTS.index("smooth_rows"), PARTS.index("slow_rows"))
+# Of what is fixed, the share that is charge, and has shot noise; of a covariance half.
+SHARES = {"constant": 0.0, "constant and time": 0.5, "time": 1.0, "light": 1.0}
+CHARGE = np.array([SHARES[component.signature] for component in FIXED])
 
 
 class PlaneLikelihood:
@@ -104,7 +113,9 @@ class PlaneLikelihood:
     ) -> list[Recorder]:
         """Return that of each group. earlier : of the same groups at other offsets; one
         that holds at these stays."""
-        about = self._recorded_offsets() if theta is None else self.offsets(theta)[0]
+        about = self._recorded_offsets()
+        if theta is not None:
+            about = np.vstack([self.offsets(theta)[0], self._charged(theta)])
         usual = self.scatter[self.measured, PIXEL].min(initial=np.inf)
         noise = np.where(self.measured, self.scatter[:, PIXEL], usual)
         found = []
@@ -125,6 +136,15 @@ class PlaneLikelihood:
             one = recorder_of(levels, places, offsets, float(noise[g]), white, cut)
             found.append(one)
         return found
+
+    def _charged(self, theta: Array) -> Array:
+        """Return (G,) DN, by how much the noise of pixels grows with their offsets."""
+        first = self.parameters.of(FIXED[0].name)
+        of_pixels = self.in_places[1][:, len(TEMPORAL) :] * theta[first:]
+        fixed = np.maximum(of_pixels.sum(axis=1), LEAST_OFFSET)
+        charge = np.maximum(of_pixels @ CHARGE, 0.0)
+        gain = max(float(theta[self.parameters.of("gain", self.site)]), 0.0)
+        return np.asarray(gain * charge / fixed)
 
     def _recorded_offsets(self) -> Array:
         """Return (3, G) Offsets as they were recorded, without a fit."""

@@ -118,11 +118,13 @@ class Offsets(NamedTuple):
     """Variances of what is added to each place of a group, all normal, DN^2.
 
     noise : of a pixel. lines : of rows and columns, new in each frame like it. fixed :
-    of pixels, the same in all frames."""
+    of pixels, the same in all frames. charged : DN, by how much noise grows with a
+    pixel's fixed offset: that of its charge has a shot noise."""
 
     noise: float
     lines: float
     fixed: float
+    charged: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -232,7 +234,7 @@ class _Codes:
             self.mean = moments.mean - 100
             self.room = np.linspace(-1, 2, 3 * STEPS // 4 + 1)
         else:
-            most = REACH * np.sqrt(sum(offsets)) + 1
+            most = REACH * np.sqrt(noise + offsets.lines + offsets.fixed) + 1
             low, high = int(codes.min() - 2 * most) - 1, int(codes.max() + 2 * most) + 1
             steps = min(STEPS, STEPS_PER_SIGMA / np.sqrt(noise))
             self.grid = np.linspace(low, high, int((high - low) * steps) + 2)
@@ -254,10 +256,11 @@ class _Codes:
     def signals(self, mean: Array, codes: Array, shifts: Array) -> Array:
         """Return the (N,) signals where the mean code over shifts is @codes: it rises
         with the signal."""
-        middle = shifts.mean()
-        room = self.room - (0 if self.inside else middle)
-        near = self.mean_of(mean, room[:, None] + (shifts - middle * self.inside))
-        wanted = codes - middle * self.inside
+        room = self.room if self.inside else self.room - shifts.mean()
+        # Where in a code a signal lies is the same a whole number of codes farther on.
+        far = np.rint(shifts.mean()) * self.inside
+        near = self.mean_of(mean, room[:, None] + (shifts - far))
+        wanted = codes - far
         whole = np.floor(wanted) * self.inside
         found: Array = whole + np.interp(wanted - whole, near.mean(axis=1), room)
         return found
@@ -285,19 +288,24 @@ def _recording(
     variance = variances @ WEIGHTS
     by_noise = np.gradient(law.mean, law.grid)
     by_noise = law.of(by_noise**2, at) @ WEIGHTS
+    # By a pixel's own noise: normal laws obey the equation of heat, d/dvariance of what
+    # is expected of codes, or of their squares, is half its curvature.
+    more = offsets.charged * NODES * np.sqrt(fixed)
+    bent = np.gradient(np.gradient(mean, law.grid), law.grid) / 2
+    wider = np.gradient(np.gradient(variance, law.grid), law.grid) / 2 + by_noise
     # Where frames and places are.
-    with_pixels = law.mean_of(mean, law.grid[:, None] + NODES * np.sqrt(fixed))
-    with_pixels = with_pixels @ WEIGHTS
+    at = law.grid[:, None] + NODES * np.sqrt(fixed)
+    with_pixels = (law.mean_of(mean, at) + more * law.of(bent, at)) @ WEIGHTS
     drift, place = np.zeros(len(levels)), np.zeros(len(places))
     for _ in range(ROUNDS if len(levels) > 1 else 1):
         place = law.signals(with_pixels, levels.mean() + places, drift)
         drift = law.signals(with_pixels, levels, place)
         drift -= drift.mean()
     at = np.add.outer(drift, place)[:, :, None] + NODES * np.sqrt(fixed)
-    each = law.mean_of(mean, at)  # (F, N, nodes)
+    each = law.mean_of(mean, at) + more * law.of(bent, at)  # (F, N, nodes)
     slopes = law.of(of_lines, at)
     lines = float(((slopes @ WEIGHTS).mean(axis=1) ** 2).mean())
-    noise = float((law.of(variance, at) @ WEIGHTS).mean())
+    noise = float(((law.of(variance, at) + more * law.of(wider, at)) @ WEIGHTS).mean())
     noise += offsets.lines * float(((slopes**2 @ WEIGHTS).mean()) - lines)
     # Of pixels, from frame to frame beyond what their place does.
     rest = each - (each @ WEIGHTS)[:, :, None]
