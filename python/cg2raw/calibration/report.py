@@ -110,28 +110,27 @@ def interval(value: Measured | None) -> str:
     return f"95 %: {low} to {high}{unit}"
 
 
+def card(
+    title: str, value: str, of: Measured | None, evidence: str, *charts: str
+) -> Card:
+    """Return a card of a value, with the interval of the number that it is of."""
+    return Card(title, "", value, interval(of), evidence, charts=charts)
+
+
 def cards(found: Measurements) -> Iterator[Card]:
     """Yield a card for each curve that the frames show."""
     if found.transfer is not None and (gain := found.figure("gain")) is not None:
         yield from transfer(found, gain)
     if (line := found.linearity) is not None:
         flat = np.array([line.levels.min(), line.levels.max()])
-        yield Card(
-            "Linearity",
-            "",
-            f"error {words(line.error)}",
-            interval(line.error),
-            "Level against exposure time; the error is the mean deviation.",
-            charts=[
-                lines(
-                    "Linearity",
-                    [
-                        Mark("linear", flat, np.zeros(2), "dashed", BEFORE),
-                        Mark("flats", line.levels, line.deviations, "dots"),
-                    ],
-                    ("signal, DN", "deviation, %"),
-                )
-            ],
+        marks = [
+            Mark("linear", flat, np.zeros(2), "dashed", BEFORE),
+            Mark("flats", line.levels, line.deviations, "dots"),
+        ]
+        chart = lines("Linearity", marks, ("signal, DN", "deviation, %"))
+        evidence = "Level against exposure time; the error is the mean deviation."
+        yield card(
+            "Linearity", f"error {words(line.error)}", line.error, evidence, chart
         )
     if found.dark is not None:
         yield dark_current(found)
@@ -176,14 +175,12 @@ def transfer(found: Measurements, gain: Measured) -> Iterator[Card]:
     labels = ("signal, DN", "variance, DN\N{SUPERSCRIPT TWO}")
     chart = lines("Photon transfer", variances, labels, "log log")
     evidence = "Shot noise grows with the signal: its slope is the system gain."
-    yield Card(
-        "Photon transfer", "", words(gain), interval(gain), evidence, charts=[chart]
-    )
+    yield card("Photon transfer", words(gain), gain, evidence, chart)
     chart = lines("Signal to noise", ratios, ("signal, DN", "SNR"), "log log")
     best = float(np.nanmax(ratios[0].y))
     value = f"at most {best:.3g} = {20 * np.log10(best):.1f} dB in these flats"
     evidence = "By the noise of darks and photons; patterns lower it at high signals."
-    yield Card("Signal to noise", "", value, "", evidence, charts=[chart])
+    yield card("Signal to noise", value, None, evidence, chart)
 
 
 def dark_current(found: Measurements) -> Card:
@@ -203,8 +200,8 @@ def dark_current(found: Measurements) -> Card:
     chart = lines("Dark current", marks, ("exposure time, s", "median, DN"))
     evidence = "The median pixel of darks above the black level."
     more = [f"Doubles in {words(dark.doubling)}"] if dark.doubling else []
-    value = words(dark.rate), interval(dark.rate)
-    return Card("Dark current", "", *value, evidence, more, [chart])
+    of = words(dark.rate), interval(dark.rate)
+    return Card("Dark current", "", *of, evidence, more, [chart])
 
 
 def temporal_noise(found: Measurements) -> Card:
@@ -224,8 +221,7 @@ def temporal_noise(found: Measurements) -> Card:
     chart = lines("Temporal noise", marks, labels, "linear log")
     evidence = f"Differences of {tails.frames} darks, in which fixed patterns cancel."
     value = "not shown" if noise is None else words(noise)
-    title = "Temporal dark noise"
-    return Card(title, "", value, interval(noise), evidence, charts=[chart])
+    return card("Temporal dark noise", value, noise, evidence, chart)
 
 
 def bias(found: Measurements) -> Card:
@@ -250,7 +246,7 @@ def bias(found: Measurements) -> Card:
     level = found.figure("black level")
     value = "" if level is None else f"black level {words(level)}"
     evidence = "Means of columns and of rows of the bias, less the black level."
-    return Card("Bias profiles", "", value, "", evidence, charts=charts)
+    return card("Bias profiles", value, None, evidence, *charts)
 
 
 def maps(found: Measurements) -> Iterator[tuple[str, Sequence[Image]]]:
