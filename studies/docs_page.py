@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""The page docs/evidence.md: sections between marks that `evidence --docs` writes.
+"""The page docs/evidence.md: sections between marks, by scripts/evidence --docs.
 
 A section stands between the lines <!-- study: NAME --> and <!-- end: NAME -->; what is
 around them is written by hand."""
@@ -9,6 +9,15 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from studies.places import ROOT
+from studies.protocol import PROTOCOL
+from studies.summaries import (
+    COMMITTED,
+    Summaries,
+    committed_text,
+    joined,
+    read_committed,
+)
+from studies.tables_of_results import tables_by_study
 
 PAGE = ROOT / "docs" / "evidence.md"
 STUDIES = (
@@ -16,10 +25,12 @@ STUDIES = (
     "colour",
     "illuminant",
     "denoising",
+    "denoising_unet",
     "isp",
-    "exposures",
+    "isp_unet",
     "content",
 )
+EARLIER = "*First edition: its results are not in evidence.json.*"
 FIGURES = {  # what a reader without pictures is told, by section
     "scenes": "Scenes as the camera sees them, developed, and as a renderer has them; "
     "the first two rows by day, the others by night",
@@ -78,21 +89,34 @@ def image(figure: str) -> str:
     return f"evidence_{figure}.png"
 
 
-def update_page(tables: Mapping[str, str], folder: Path, page: Path = PAGE) -> None:
-    """Put tables, and the figures that a folder has, into a page and its images.
+def write_page(
+    made: Summaries,
+    folder: Path,
+    page: Path = PAGE,
+    committed: Path = COMMITTED,
+) -> None:
+    """Put summaries into the committed file, and all tables of that into the page, with
+    the figures that a folder has.
 
-    A study's figure is left out without tables of it. Raises ValueError naming the page
+    A study's figure is left out without tables of it; one that is not drawn anew stays.
+    Raises ValueError naming the page
     and what it lacks; then nothing is written."""
+    found = joined(read_committed(committed), made)
+    tables = tables_by_study(found, PROTOCOL.classical.within)
+    own = tables_by_study(made, PROTOCOL.classical.within)
     drawn = [
         name
         for name in FIGURES
         if (folder / f"{name}.png").exists()
-        and (name not in OF or set(OF[name]) & set(tables))
+        and (name not in OF or set(OF[name]) & set(own))
     ]
     try:
-        text = write_docs(page.read_text(), sections(tables, drawn))
+        before = page.read_text()
+        shown = [n for n in FIGURES if n in drawn or n in tables and link(n) in before]
+        text = write_docs(before, sections(tables, shown))
     except (OSError, ValueError) as error:
         raise ValueError(f"{page}: {error}") from None
+    committed.write_text(committed_text(found))
     page.write_text(text)
     (page.parent / "images").mkdir(exist_ok=True)
     for name in drawn:

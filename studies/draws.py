@@ -6,7 +6,7 @@ A draw has a training set of each source, first weights and order of its own. Ea
 of test frames, and each set of renders, has an entry of its own in results.json."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -23,11 +23,11 @@ from studies.results import (
     write_results,
 )
 from studies.sources.exposures import by_exposure
-from studies.sources.frames import Frames, TestSets
+from studies.sources.frames import Frames, TestSets, captured
 from studies.sources.renders import Renders
 from studies.sources.sets import Draw, Material, Sources, few, material, sources
-from studies.tasks import content, denoising, exposure, illuminant, isp
-from studies.world.shots import World
+from studies.tasks import content, denoising, illuminant, isp
+from studies.world.shots import World, lit_by
 
 TESTS = "world"  # test frames of the world
 RENDERS = "night renders"
@@ -42,29 +42,47 @@ class Learned:
     kind: str  # of its scenes
     test_frames: Callable[[World, Camera, str], Frames]
     draw: Callable[[Draw, Sources, TestSets], Mapping[str, Any]]  # {tests: values}
-    # What makes its sources; None: all, with a translation's if PyTorch is there.
-    sources: Callable[[Material, Camera, int], Sources] | None = None
+    # What makes its sources of a seed, given a translator if it is translated.
+    sources: Callable[..., Sources] = by_exposure
+    translated: bool = True  # if PyTorch is there
+    more_tests: Callable[[World, Camera, str], TestSets] | None = None
+    leds: bool = True  # whether lights of training may be LEDs
+
+
+def by_day(
+    draw: Callable[[Draw, Sources, TestSets], Mapping[str, Any]],
+    made_by: Callable[..., Sources],
+    translated: bool = False,
+) -> Learned:
+    """Return a study of illuminants."""
+    frames = illuminant.test_frames
+    return Learned("illuminant", "day", frames, draw, made_by, translated)
 
 
 LEARNED = {
-    "illuminant": Learned(
-        "illuminant", "day", illuminant.test_frames, illuminant.illuminant_draw
+    "illuminant": by_day(illuminant.illuminant_draw, sources, translated=True),
+    "longer": by_day(illuminant.longer_draw, few),
+    "light_draws": replace(
+        by_day(illuminant.light_draws_draw, few), more_tests=illuminant.tests_by_light
     ),
-    "longer": Learned(
-        "illuminant", "day", illuminant.test_frames, illuminant.longer_draw, few
-    ),
-    "light_draws": Learned(
-        "illuminant", "day", illuminant.test_frames, illuminant.light_draws_draw, few
+    "held_out_leds": replace(
+        by_day(illuminant.held_out_draw, few),
+        more_tests=illuminant.tests_by_light,
+        leds=False,
     ),
     "denoising": Learned(
         "denoising", "night", denoising.test_frames, denoising.denoising_draw
     ),
-    "unet": Learned(
-        "denoising", "night", denoising.test_frames, denoising.unet_draw, few
+    "denoising_unet": Learned(
+        "denoising",
+        "night",
+        denoising.test_frames,
+        denoising.unet_draw,
+        translated=False,
     ),
     "isp": Learned("isp", "night", isp.test_frames, isp.isp_draw),
-    "exposures": Learned(
-        "isp", "night", isp.test_frames, exposure.exposure_draw, by_exposure
+    "isp_unet": Learned(
+        "isp", "night", isp.test_frames, isp.isp_unet_draw, translated=False
     ),
     "content": Learned("isp", "night", isp.test_frames, content.content_draw),
 }
@@ -95,8 +113,10 @@ def go_on(run: Run, study: str, camera: Camera) -> None:
     """Run those draws of a study that its entries lack; each is written when done."""
     learned = LEARNED[study]
     tests = {TESTS: learned.test_frames(run.world, camera, run.mode)}
+    if learned.more_tests is not None:
+        tests |= learned.more_tests(run.world, camera, run.mode)
     if run.judge is not None and learned.kind == "night":
-        tests[JUDGE] = run.judge(camera.id)
+        tests[JUDGE] = captured(run.judge(camera.id))
     names = {of: entry_name(study, of, run) for of in tests}
     draws = getattr(run.world.protocol, study).draws[run.mode]
     first = min(
@@ -120,10 +140,8 @@ def go_on(run: Run, study: str, camera: Camera) -> None:
 def sources_of(run: Run, learned: Learned, draw: Draw) -> Sources:
     """Return the sources of a draw; those of translation only with PyTorch."""
     found = material_of(run, learned, draw.camera, draw.seed)
-    if learned.sources is not None:
+    if not learned.translated or torch_version() is None:
         return learned.sources(found, draw.camera, draw.seed)
-    if torch_version() is None:
-        return sources(found, draw.camera, draw.seed)
     seed = draw.seed % run.world.protocol.translation.translators[run.mode]
     seen = found
     if seed != draw.seed:
@@ -132,7 +150,7 @@ def sources_of(run: Run, learned: Learned, draw: Draw) -> Sources:
     translator = translator_for(
         seen, draw.camera.id, scenes, seed, run.mode, run.folder, say=run.say
     )
-    return sources(found, draw.camera, draw.seed, translator)
+    return learned.sources(found, draw.camera, draw.seed, translator)
 
 
 def material_of(run: Run, learned: Learned, camera: Camera, seed: int) -> Material:
@@ -140,7 +158,7 @@ def material_of(run: Run, learned: Learned, camera: Camera, seed: int) -> Materi
     protocol = run.world.protocol
     frames = getattr(protocol, learned.frames).frames[run.mode]
     return material(
-        run.world,
+        run.world if learned.leds else lit_by(run.world, leds=False),
         camera,
         learned.kind,
         protocol.seeds,

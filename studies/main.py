@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""The command of ./studies/run evidence."""
+"""The command scripts/evidence."""
 
 import argparse
 import sys
@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.cameras import FILES, NUS, Camera, known_camera, own_camera
-from studies.docs_page import update_page
+from studies.docs_page import write_page
 from studies.draws import JUDGE, LEARNED, RENDERS, Run, go_on
 from studies.figures.files import figures_of_results, figures_of_world, write_figures
 from studies.mitsuba_judge.folder import PATTERN, judge_frames
@@ -20,12 +20,14 @@ from studies.protocol import PROTOCOL
 from studies.results import (
     add,
     fingerprint,
+    need_pinned,
     read_results,
     set_aside,
     use,
     write_results,
 )
 from studies.sources.renders import read_renders
+from studies.summaries import summaries
 from studies.tables_of_results import tables_by_study, together
 from studies.tasks.classical import classical
 from studies.tasks.colour import colour
@@ -50,8 +52,8 @@ def run_colour(world: World, camera: Camera, mode: str) -> Any:
 
 MEASURED: dict[str, Study] = {"classical": run_classical, "colour": run_colour}
 STUDIES = (*MEASURED, *LEARNED)
-HOURS = ("longer", "light_draws", "unet")
-NEED_TORCH = ("illuminant", "longer", "light_draws", "unet")
+HOURS = ("longer", "light_draws", "held_out_leds", "denoising_unet", "isp_unet")
+NEED_TORCH = ("illuminant", *HOURS)
 
 
 def arguments(given: list[str] | None = None) -> argparse.Namespace:
@@ -112,7 +114,8 @@ def add_places(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--docs",
         action="store_true",
-        help="with --full: put tables and figures into docs/evidence.md",
+        help="with --full: put results into docs/evidence.json, and tables and figures "
+        "of all that is there into docs/evidence.md",
     )
 
 
@@ -180,6 +183,7 @@ def note_use(run: Run, what: str, digest: str, folder: Path) -> None:
 
 def run(given: argparse.Namespace) -> str:
     """Run the studies of a command line and return their tables. Raises ValueError."""
+    need_pinned()
     luxpy, data = luxpy_folder(given.luxpy), data_folder(given.data)
     names = asked(given.studies, given.mode)
     prepared_run = prepared(given, luxpy)
@@ -196,12 +200,13 @@ def run(given: argparse.Namespace) -> str:
             add(results, camera, name, entry)
             write_results(given.out, results)
     given.out.mkdir(parents=True, exist_ok=True)
-    found = tables_by_study(results, world.protocol.classical.within)
+    made = summaries(results)
+    found = tables_by_study(made, world.protocol.classical.within)
     (given.out / TABLES).write_text(together(found))
     shown = figures_of_world(prepared_run, cameras(given, data, "isp")[0], names)
-    write_figures(given.out, figures_of_results(results) | shown)
+    write_figures(given.out, figures_of_results(made) | shown)
     if given.docs:
-        update_page(found, given.out)
+        write_page(made, given.out)
     return together(found)
 
 

@@ -164,6 +164,15 @@ class LightDrawsRules:
 
 
 @dataclass(frozen=True)
+class HeldOutLedsRules:
+    """Training without LEDs, tests with them."""
+
+    cameras: dict[str, list[str]]
+    draws: dict[str, int]
+    sources: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class DenoisingRules:
     """Study 2."""
 
@@ -186,12 +195,10 @@ class DenoisingRules:
 
 @dataclass(frozen=True)
 class UnetRules:
-    """The other learner of study 2, and what is learnt by it."""
+    """A U-net, and what is learnt by it."""
 
     cameras: dict[str, list[str]]
     draws: dict[str, int]
-    isos: tuple[float, ...]
-    brightness: tuple[float, ...]
     sources: tuple[str, ...]
     width: int
     levels: int
@@ -200,6 +207,19 @@ class UnetRules:
     rate: float
     steps: dict[str, int]
     every: int
+
+
+@dataclass(frozen=True)
+class DenoisingUnetRules(UnetRules):
+    """The other learner of study 2."""
+
+    isos: tuple[float, ...]
+    brightness: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class IspUnetRules(UnetRules):
+    """The other learner of study 3."""
 
 
 @dataclass(frozen=True)
@@ -213,18 +233,9 @@ class IspRules:
     first: int
     step: int
     validation: float
+    samples: dict[str, int]
     features: int
     ridges: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class ExposuresRules:
-    """What the exposure of renders is worth, of study 3's frames and tests."""
-
-    cameras: dict[str, list[str]]
-    draws: dict[str, int]
-    isos: tuple[float, ...]
-    brightness: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -272,10 +283,11 @@ class Protocol:
     illuminant: IlluminantRules
     longer: LongerRules
     light_draws: LightDrawsRules
+    held_out_leds: HeldOutLedsRules
     denoising: DenoisingRules
-    unet: UnetRules
+    denoising_unet: DenoisingUnetRules
     isp: IspRules
-    exposures: ExposuresRules
+    isp_unet: IspUnetRules
     content: ContentRules
     translation: TranslationRules
 

@@ -4,11 +4,12 @@
 
 import hashlib
 import json
+import os
+import platform
+from dataclasses import asdict
 from importlib import metadata
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 import cg2raw
 from cg2raw import _core
@@ -19,6 +20,7 @@ from studies.world.shots import World, array_hash
 FOLDER = Path(__file__).parent
 ROOMS = ("world", "sources", "learners", "tasks")
 FILE = "results.json"
+REQUIREMENTS = FOLDER / "requirements-evidence.txt"
 Results = dict[str, Any]
 
 
@@ -27,22 +29,58 @@ def fingerprint(world: World) -> dict[str, str]:
     sources = [FOLDER / name for name in ("cameras.py", "protocol.py", "protocol.toml")]
     for room in ROOMS:
         sources += sorted((FOLDER / room).rglob("*.py"))
+    seeds = ", ".join(f"{k} {v}" for k, v in asdict(world.protocol.seeds).items())
     return {
         "cg2raw": cg2raw.__version__,
         "core": files_hash([Path(_core.__file__)]),
-        "numpy": np.__version__,
-        "torch": torch_version() or "none",
+        "packages": ", ".join(
+            f"{name} {version}" for name, version in installed().items() if version
+        ),
+        "seeds": seeds,
         "studies": files_hash(sources),
         **world.hashes(),
     }
 
 
+def pinned() -> dict[str, str]:
+    """Return the version of each package that the studies are run with."""
+    lines = REQUIREMENTS.read_text().splitlines()
+    pairs = (line.split("==") for line in lines if not line.startswith("#"))
+    return {name.strip(): version.strip() for name, version in pairs}
+
+
+def installed() -> dict[str, str | None]:
+    """Return the installed version of each of pinned(), None of what is missing."""
+    found: dict[str, str | None] = {}
+    for name in pinned():
+        try:
+            found[name] = metadata.version(name).partition("+")[0]
+        except metadata.PackageNotFoundError:
+            found[name] = None
+    return found
+
+
+def need_pinned() -> None:
+    """Raise ValueError for a package of another version than pinned()."""
+    versions = installed()
+    for name, version in pinned().items():
+        if versions[name] not in (version, None):
+            raise ValueError(
+                f"{name} {versions[name]} is installed, and numbers are of {version} "
+                f"(studies/{REQUIREMENTS.name}): ./scripts/evidence installs it"
+            )
+
+
+def host() -> str:
+    """Return the machine and the system that numbers were made on."""
+    return (
+        f"{platform.machine()}, {platform.system()}, Python {platform.python_version()}"
+    )
+
+
 def torch_version() -> str | None:
     """Return PyTorch's version, None without it: then some sources are missing."""
-    try:
-        return metadata.version("torch")
-    except metadata.PackageNotFoundError:
-        return None
+    return installed()["torch"]
 
 
 def camera_hash(camera: Camera) -> str:
@@ -130,17 +168,10 @@ def appended(entry: Any, values: Any) -> Any:
     return [*(entry or []), values]
 
 
-def of_study(results: Results, study: str) -> dict[str, Any]:
-    """Return {camera: entry} of a study."""
-    return {
-        camera: found["studies"][study]
-        for camera, found in results["cameras"].items()
-        if study in found["studies"]
-    }
-
-
 def write_results(folder: Path, results: Results) -> None:
-    """Write results.json; the same numbers are the same bytes."""
+    """Write results.json, whole or not at all; the same numbers are the same bytes."""
     folder.mkdir(parents=True, exist_ok=True)
     text = json.dumps(results, indent=1, sort_keys=True)
-    (folder / FILE).write_text(text + "\n")
+    part = folder / f"{FILE}.part"
+    part.write_text(text + "\n")
+    os.replace(part, folder / FILE)

@@ -4,14 +4,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple
+from typing import Any
 
-import numpy as np
-
-from studies.tasks.angles import Summary, summary
+from studies.summaries import summary_of
+from studies.tasks.angles import Summary
 from studies.tasks.classical import PUBLISHED, over_cameras
 
-Frames = Sequence[float]
-Errors = Mapping[str, Frames]  # method or measure: of each frame
+Errors = Mapping[str, Mapping[str, Any]]  # method or measure: what is kept of frames
 MEASURES = {"degrees": "deg", "difference": "CIEDE2000"}
 RATIOS = (  # of mean angles, each with its goal
     ("ours, dng", "ours, paper", 0.7),
@@ -35,11 +34,15 @@ def classical_tables(found: Mapping[str, Errors], within: float) -> str:
     """Return grey world and shades of grey beside what was published.
 
     found : {camera: {method: errors}}. within : of the published numbers, allowed."""
-    rows = [
-        [camera, *(numbers(summary(np.array(errors[method]))) for method in PUBLISHED)]
+    of_cameras = {
+        camera: {method: summary_of(errors[method]) for method in PUBLISHED}
         for camera, errors in found.items()
+    }
+    rows = [
+        [camera, *(numbers(summaries[method]) for method in PUBLISHED)]
+        for camera, summaries in of_cameras.items()
     ]
-    together = over_cameras(found)
+    together = over_cameras(of_cameras)
     rows.append(["geometric mean", *(numbers(together[m]) for m in PUBLISHED)])
     rows.append(["published, NUS", *(numbers(s) for s in PUBLISHED.values())])
     off = [
@@ -47,7 +50,7 @@ def classical_tables(found: Mapping[str, Errors], within: float) -> str:
         for method, published in PUBLISHED.items()
     ]
     rows.append([f"departure, {within:.0%} allowed", *off])
-    frames = len(next(iter(next(iter(found.values())).values())))
+    frames = next(iter(next(iter(found.values())).values()))["frames"]
     return (
         f"### Classical methods, {frames} frames a camera\n\n"
         "Degrees: mean; median; mean of the best and of the worst quarter.\n\n"
@@ -64,8 +67,8 @@ def colour_tables(found: Mapping[str, Mapping[str, Errors]], kind: str) -> str:
     """Return study 0's errors by method and camera, and its ratios.
 
     found : {camera: {method: {measure: errors}}}. kind : of the scenes."""
-    cameras, names = list(found), list(next(iter(found.values())))
-    frames = len(found[cameras[0]][names[0]]["degrees"])
+    cameras, names = list(found), sorted(next(iter(found.values())))
+    frames = found[cameras[0]][names[0]]["degrees"]["frames"]
     rows = [
         [name, *(means(found[camera][name]) for camera in cameras)] for name in names
     ]
@@ -84,9 +87,10 @@ def colour_tables(found: Mapping[str, Mapping[str, Errors]], kind: str) -> str:
 
 def means(errors: Errors) -> str:
     """Return the mean of each measure in one cell."""
-    return ", ".join(f"{np.mean(errors[measure]):.2f}" for measure in MEASURES)
+    return ", ".join(f"{summary_of(errors[name]).mean:.2f}" for name in MEASURES)
 
 
 def ratio(found: Mapping[str, Errors], own: str, other: str) -> float:
     """Return the mean angle of a method over that of another."""
-    return float(np.mean(found[own]["degrees"]) / np.mean(found[other]["degrees"]))
+    one, more = (summary_of(found[name]["degrees"]).mean for name in (own, other))
+    return one / more

@@ -3,7 +3,6 @@
 """Tables of study 1: errors of each source, and which differences are sure."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple
 from itertools import combinations
 
 import numpy as np
@@ -18,10 +17,10 @@ from studies.tables_paired import (
     extent,
     of_errors,
 )
-from studies.tasks.angles import Summary, summary
-from studies.tasks.paired import BEATS, difference, share_left
+from studies.tasks.angles import Summary
+from studies.tasks.paired import BEATS, Kept, difference, means, share_left
 
-Errors = Mapping[str, Sequence[Sequence[float]]]  # source: (seeds, frames), degrees
+Errors = Mapping[str, Kept]  # source: of (seeds, frames), degrees
 OTHERS = ("ours, paper", "ours, spectral", OWN)  # ours is compared with each
 LEFT = 0.3  # the goal: of a baseline's gap to real
 
@@ -35,8 +34,7 @@ def illuminant_tables(
     first = next(iter(found.values()))
     size = extent((errors[REAL] for errors in found.values()), "seeds")
     rows = [
-        [source, *(cell(np.array(found[camera][source])) for camera in found)]
-        for source in first
+        [source, *(cell(found[camera][source]) for camera in found)] for source in first
     ]
     return (
         f"### {title}, {size}\n\n"
@@ -47,11 +45,10 @@ def illuminant_tables(
     )
 
 
-def cell(errors: np.ndarray) -> str:
+def cell(errors: Kept) -> str:
     """Return a source's errors (seeds, frames) in one cell."""
-    of_seeds = [astuple(summary(row)) for row in errors]
-    found = Summary(*np.mean(of_seeds, axis=0).tolist())
-    spread = errors.mean(axis=1).std(ddof=1)
+    found = Summary(*np.mean(errors["seeds"], axis=0).tolist())
+    spread = means(errors)[0].std(ddof=1)
     mean, *others = numbers(found).split("; ")
     return "; ".join([f"{mean} +- {spread:.2f}", *others])
 
@@ -78,26 +75,55 @@ def sure(found: Mapping[str, Errors], own: str) -> str:
     return table(["difference", *found], rows)
 
 
+def light_tables(
+    with_leds: Mapping[str, Mapping[str, Errors]],
+    without: Mapping[str, Mapping[str, Errors]],
+) -> str:
+    """Return the mean errors of test frames by their lights, a table for each camera.
+
+    Both : {lights: {camera: errors}}, of training with LEDs and without."""
+    lights = list(with_leds)
+    cameras = next(iter(with_leds.values()))
+    parts = [
+        "#### By the light\n\nMean degrees of test frames by the colour temperature of "
+        "their main light, and of frames under LEDs alone; *no LEDs*: none in training."
+    ]
+    for camera in cameras:
+        rows = []
+        for found, said in ((with_leds, ""), (without, ", no LEDs")):
+            entries = [found.get(of, {}).get(camera, {}) for of in lights]
+            rows += [
+                [source + said, *(mean_degrees(entry, source) for entry in entries)]
+                for source in entries[-1]
+            ]
+        parts.append(table([camera, *lights], rows))
+    return "\n\n".join(parts)
+
+
+def mean_degrees(entry: Errors, source: str) -> str:
+    """Return a source's mean error in one cell; none without frames of such lights."""
+    return f"{means(entry[source])[0].mean():.2f}" if source in entry else ""
+
+
 def longer_tables(
     illuminant: Mapping[str, Errors], longer: Mapping[str, Errors]
 ) -> str:
     """Return how differences of sources change if training is longer.
 
-    Both : {camera: errors}; of illuminant the first seeds are compared."""
+    Both : {camera: errors}."""
     cameras = [camera for camera in longer if camera in illuminant]
-    seeds = len(longer[cameras[0]][REAL])
     rows = []
     sources = list(longer[cameras[0]])
     for other, one in combinations(sources, 2):
         cells = []
         for camera in cameras:
             before, after = (
-                difference(e[camera][one][:seeds], e[camera][other][:seeds])
+                difference(e[camera][one], e[camera][other])
                 for e in (illuminant, longer)
             )
             cells.append(f"{of_errors(before)}; {of_errors(after)}")
         rows.append([f"{one} - {other}", *cells])
     return (
-        f"Is training long enough? Differences as above of {seeds} seeds, then those "
-        f"after longer training.\n\n{table(['difference', *cameras], rows)}"
+        "Is training long enough? Differences as above, then those after longer "
+        f"training.\n\n{table(['difference', *cameras], rows)}"
     )

@@ -1,34 +1,40 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""All tables of results.json, study by study."""
+"""All tables of the summaries of results, study by study."""
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
-from studies.results import Results, draws_of, of_study
+from studies.summaries import Summaries, draws_in
 from studies.tables import classical_tables, colour_tables
 from studies.tables_content import content_tables
-from studies.tables_denoising import denoising_tables
-from studies.tables_exposure import exposure_tables
-from studies.tables_illuminant import illuminant_tables, longer_tables
-from studies.tables_isp import isp_tables
+from studies.tables_illuminant import (
+    illuminant_tables,
+    light_tables,
+    longer_tables,
+)
+from studies.tables_night import night_tables
 from studies.tables_paired import REAL
 from studies.tasks.content import TESTS
+from studies.tasks.illuminant import BY_KELVIN, LEDS
 from studies.world.shots import KINDS
 
+LIGHTS = (*BY_KELVIN, LEDS)
 DRAWN = ("ours, measured lights", "ours, mixture of lights")
-FAMILIES = (TESTS, "real", "ours", "upi", "translation")
+FAMILIES = (TESTS, "real", "ours", "upi", "no matrix", "translation")
 TABLES_OF: dict[str, Callable[[Any], str]] = {
     "illuminant": illuminant_tables,
-    "denoising": denoising_tables,
-    "isp": isp_tables,
-    "exposures": exposure_tables,
+    "denoising": partial(night_tables, title="Denoising"),
+    "denoising_unet": partial(night_tables, title="Denoising by U-net"),
+    "isp": partial(night_tables, title="Neural ISP"),
+    "isp_unet": partial(night_tables, title="Neural ISP by U-net"),
     "content": content_tables,
 }
 
 
-def tables_by_study(results: Results, within: float) -> dict[str, str]:
-    """Return the tables of each study that results have, in Markdown.
+def tables_by_study(results: Summaries, within: float) -> dict[str, str]:
+    """Return the tables of each study that there are summaries of, in Markdown.
 
     within : of the published numbers of classical methods, allowed."""
     found = {}
@@ -48,32 +54,40 @@ def tables_by_study(results: Results, within: float) -> dict[str, str]:
     return found
 
 
-def more_tables(results: Results) -> Iterator[tuple[str, str]]:
+def more_tables(results: Summaries) -> Iterator[tuple[str, str]]:
     """Yield (study, tables) of the checks that stand below a study's own tables."""
-    studies = ("illuminant", "light_draws", "longer", "unet")
-    once, drawn, longer, by_unet = (ready(results, study) for study in studies)
+    studies = ("illuminant", "light_draws", "longer")
+    once, drawn, longer = (ready(results, study) for study in studies)
     if drawn:
         yield "illuminant", illuminant_tables(drawn, DRAWN, "How lights are drawn")
+    by_light, held_out = (
+        {of: found for of in LIGHTS if (found := ready(results, f"{study}, {of}"))}
+        for study in ("light_draws", "held_out_leds")
+    )
+    if by_light:
+        yield "illuminant", light_tables(by_light, held_out)
     if once and longer:
         yield "illuminant", longer_tables(once, longer)
-    if by_unet:
-        yield "denoising", denoising_tables(by_unet, " by U-net")
 
 
-def entries_of(results: Results, study: str) -> list[tuple[str, str]]:
+def entries_of(results: Summaries, study: str) -> list[tuple[str, str]]:
     """Return (name, of what other than the world) of each entry of a study.
 
     An entry of a single draw has no standard errors, and waits for the second."""
-    studies = [found["studies"] for found in results["cameras"].values()]
-    names = sorted({n for found in studies for n in found if draws_of(found[n]) > 1})
+    names = sorted(name for name in results if ready(results, name))
     parts = [(name, *name.partition(", ")) for name in names]
     return [(name, made_of) for name, own, _, made_of in parts if own == study]
 
 
-def ready(results: Results, name: str) -> dict[str, Any]:
+def ready(results: Summaries, name: str) -> dict[str, Any]:
     """Return {camera: entry} of those that have two draws or more, sources in order."""
     found = of_study(results, name).items()
-    return {camera: in_order(entry) for camera, entry in found if draws_of(entry) > 1}
+    return {camera: in_order(entry) for camera, entry in found if draws_in(entry) > 1}
+
+
+def of_study(results: Summaries, name: str) -> dict[str, Any]:
+    """Return {camera: entry} of a study's entry, sorted; {} if there is none."""
+    return dict(sorted(results.get(name, {}).get("cameras", {}).items()))
 
 
 def in_order(entry: Any) -> Any:

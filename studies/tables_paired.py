@@ -4,20 +4,19 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
-import numpy as np
+from studies.tasks.paired import Difference, Values, difference, means
 
-from studies.tasks.paired import Difference, difference
-
-Values = Mapping[str, Sequence[Sequence[float]]]  # source: (draws, frames)
+BySource = Mapping[str, Values]  # source: of (draws, frames)
 OWN, REAL, FLOOR = "ours, dng", "real", "real, other scenes"
 BASELINES = ("upi, graphics2raw", "upi, camera")
 
 
-def extent(cameras: Iterable[Sequence[Sequence[float]]], word: str = "draws") -> str:
+def extent(cameras: Iterable[Values], word: str = "draws") -> str:
     """Return of how much a table is: of the (draws, frames) of each camera.
 
     word : for draws. Of cameras that have unlike numbers, the least and the most."""
-    draws, frames = zip(*map(np.shape, cameras), strict=True)
+    of = [[len(found) for found in means(values)] for values in cameras]
+    draws, frames = zip(*of, strict=True)
     return f"{between(draws)} {word}, {between(frames)} test frames a camera"
 
 
@@ -33,8 +32,7 @@ def of_errors(found: Difference) -> str:
 
 
 def of_gains(found: Difference, digits: int) -> str:
-    """Return a Difference of what is better if it is more, of the negative of which it
-    was made, in one cell."""
+    """Return a Difference of what is better if it is more, other - one, in one cell."""
     return f"{-found.mean:+.{digits}f} ({found.error:.{digits}f})" + beats(found)
 
 
@@ -44,7 +42,7 @@ def beats(found: Difference) -> str:
 
 
 def error_rows(
-    pairs: Iterable[tuple[str, str]], cameras: Sequence[Values]
+    pairs: Iterable[tuple[str, str]], cameras: Sequence[BySource]
 ) -> list[list[str]]:
     """Return a row for each pair of sources: of errors, one cell for each camera."""
     return [
@@ -55,15 +53,13 @@ def error_rows(
 
 
 def gain_rows(
-    pairs: Iterable[tuple[str, str]], cameras: Sequence[Values], digits: int
+    pairs: Iterable[tuple[str, str]], cameras: Sequence[BySource], digits: int
 ) -> list[list[str]]:
     """Return the same of a measure of which more is better, so many digits."""
     return [
         [f"{one} - {other}"]
         + [
-            of_gains(
-                difference(np.negative(values[one]), np.negative(values[other])), digits
-            )
+            of_gains(difference(values[other], values[one]), digits)
             for values in cameras
         ]
         for one, other in pairs

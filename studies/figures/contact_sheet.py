@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from cg2raw.io.figure import DPI, drawn
 from studies.cameras import Camera
 from studies.figures.tiles import GAP, SCALE, tile
+from studies.sources.frames import captured
 from studies.sources.real import real
-from studies.tasks.isp import pairs, scaled, toned
+from studies.tasks.isp import CAMERA, pairs, toned, white_of
 from studies.world.colouring import rendered
 from studies.world.shots import KINDS, World, shots
 
@@ -31,9 +32,11 @@ def scene_pictures(world: World, camera: Camera) -> dict[str, Pictures]:
     found: dict[str, Pictures] = {}
     for kind in KINDS:
         taken = shots(world, "test", kind, camera.cards, rules.first, COLUMNS)
-        seen = pairs(real(taken, camera.sensitivities), camera.sensor, rules)
-        found[f"{kind}: camera"] = list(seen.pictures)
-        found[f"{kind}: render"] = [toned(scaled(rendered(shot))) for shot in taken]
+        frames = captured(real(taken, camera.sensitivities))
+        seen = pairs(frames, camera.sensor, rules)
+        found[f"{kind}: camera"] = list(seen.pictures[CAMERA])
+        renders = [rendered(shot) for shot in taken]
+        found[f"{kind}: render"] = [toned(image / white_of(image)) for image in renders]
     return found
 
 

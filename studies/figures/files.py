@@ -4,7 +4,6 @@
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from studies.cameras import Camera
 from studies.draws import LEARNED, Run, sources_of
@@ -15,36 +14,21 @@ from studies.figures.isp_examples import isp_examples
 from studies.figures.isp_panels import isp_panels
 from studies.figures.night_examples import night_examples
 from studies.figures.translation_curves import curves_in, translation_curves
-from studies.protocol import PROTOCOL
-from studies.results import Results
 from studies.sources.sets import Draw
+from studies.summaries import Summaries
 from studies.tables_of_results import entries_of, ready
 
 COMPARED = ("illuminant", "light_draws", "isp", "denoising")
 
 
-def figures_of_results(results: Results) -> dict[str, bytes]:
-    """Return the PNG of each figure that results alone make, by name."""
+def figures_of_results(results: Summaries) -> dict[str, bytes]:
+    """Return the PNG of each figure that summaries alone make, by name."""
     names = [name for study in COMPARED for name, _ in entries_of(results, study)]
-    found = {
-        name: ready(results, name)
-        for name in names
-        if name in COMPARED or not name.startswith("denoising")
-    }
-    if "denoising" in found:
-        entries = found["denoising"].items()
-        found["denoising"] = {camera: compared(entry) for camera, entry in entries}
+    found = {name: ready(results, name) for name in names}
     pngs = {"gap": gap_bars(found)} if found else {}
     if "illuminant" in found:
         pngs["illuminant"] = illuminant_curves(found["illuminant"])
     return pngs
-
-
-def compared(entry: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what bars show of denoising: the highest ISO, of the brighter frames."""
-    rules = PROTOCOL.denoising
-    shown = f"ISO {max(rules.isos):g}, brightness {max(rules.brightness):g}"
-    return {name: values for name, values in entry.items() if name.startswith(shown)}
 
 
 def figures_of_world(
@@ -52,13 +36,13 @@ def figures_of_world(
 ) -> dict[str, bytes]:
     """Return the PNG of each figure that shows pictures, by name.
 
-    Of the ISP only if it is one of the studies and its renders are the world's, of
-    scenes at night only if denoising is one: they train anew, draw 0 of few sources."""
+    Of the ISP only if it is one of the studies, of scenes at night only if denoising is
+    one: they train anew, draw 0 of few sources."""
     pngs = {"scenes": contact_sheet(scene_pictures(run.world, camera))}
     if curves := curves_in(run.folder):
         pngs["translation"] = translation_curves(curves)
     draw = Draw(run.world, camera, run.mode, 0)
-    if "isp" in studies and run.renders is None:
+    if "isp" in studies:
         made = sources_of(run, LEARNED["isp"], draw)
         pngs["isp"] = isp_panels(isp_examples(draw, made))
     if "denoising" in studies:

@@ -6,11 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from cg2raw.io.figure import drawn
 from studies.figures.styles import styles
-from studies.tables_paired import FLOOR, REAL, Values
+from studies.tables_paired import FLOOR, REAL, BySource
 from studies.tasks.paired import Difference, difference
 
 if TYPE_CHECKING:
@@ -20,6 +18,10 @@ if TYPE_CHECKING:
 DEGREES = {  # studies of angular errors, as the figure calls them
     "illuminant": "illuminant",
     "light_draws": "illuminant, how lights are drawn",
+}
+UNITS = {  # of studies by night: the axis, the measure, and which way it is worse
+    "isp": ("CIEDE2000 more than real", "difference", 1),
+    "denoising": ("dB less than real", "psnr", -1),
 }
 PANEL, LABELS = 2.6, 1.9  # inches: a panel's width, names of sources
 BAR, AROUND = 0.17, 0.85  # inches: a bar with its gap, a panel's title and axis
@@ -31,7 +33,7 @@ class Row:
 
     title: str
     unit: str
-    cameras: dict[str, Values]
+    cameras: dict[str, dict[str, Difference]]  # of each source from real
 
 
 def rows_of(studies: Mapping[str, Mapping[str, Any]]) -> Iterator[Row]:
@@ -42,34 +44,30 @@ def rows_of(studies: Mapping[str, Mapping[str, Any]]) -> Iterator[Row]:
             yield Row(
                 DEGREES[study] + name.removeprefix(study),
                 "degrees more than real",
-                dict(found),
+                {camera: gaps(errors) for camera, errors in found.items()},
             )
-        elif study == "isp":
-            values = {camera: measured(e, "difference") for camera, e in found.items()}
-            yield Row(name, "CIEDE2000 more than real", values)
-        elif study == "denoising":
+        elif study in UNITS:
+            unit, measure, sign = UNITS[study]
             for condition in next(iter(found.values())):
-                less = {c: losses(entry[condition]) for c, entry in found.items()}
-                yield Row(f"{name}, {condition}", "dB less than real", less)
+                values = {c: measured(e[condition], measure) for c, e in found.items()}
+                yield Row(
+                    f"{name}, {condition}",
+                    unit,
+                    {camera: gaps(errors, sign) for camera, errors in values.items()},
+                )
 
 
-def losses(entry: Mapping[str, Mapping[str, Any]]) -> Values:
-    """Return the negative PSNR of {source: {measure: (draws, frames)}}."""
-    return {
-        source: np.negative(psnr).tolist()
-        for source, psnr in measured(entry, "psnr").items()
-    }
-
-
-def measured(entry: Mapping[str, Mapping[str, Any]], measure: str) -> Values:
-    """Return one measure of {source: {measure: (draws, frames)}}."""
+def measured(entry: Mapping[str, Mapping[str, Any]], measure: str) -> BySource:
+    """Return one measure of {source: {measure: of (draws, frames)}}."""
     return {source: measures[measure] for source, measures in entry.items()}
 
 
-def gaps(values: Values) -> dict[str, Difference]:
-    """Return each source's Difference from real, which is left out."""
+def gaps(values: BySource, sign: int = 1) -> dict[str, Difference]:
+    """Return each source's Difference from real, which is left out.
+
+    sign : -1 for a measure that is better if it is more."""
     return {
-        source: difference(errors, values[REAL])
+        source: difference(*(errors, values[REAL])[::sign])
         for source, errors in values.items()
         if source != REAL
     }
@@ -98,7 +96,7 @@ def draw_row(part: "SubFigure", row: Row, columns: int) -> None:
     for axes in panels[len(row.cameras) :]:
         axes.set_axis_off()
     for axes, (camera, values) in zip(panels, row.cameras.items(), strict=False):
-        draw_bars(axes, gaps(values))
+        draw_bars(axes, values)
         axes.set_title(camera, fontsize=9.5)
         axes.set_xlabel(row.unit)
     panels[0].xaxis.set_major_locator(MaxNLocator(4))

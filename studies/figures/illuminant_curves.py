@@ -2,19 +2,20 @@
 # Copyright Contributors to the cg2raw Project.
 """illuminant.png: which share of test frames has an angular error below each."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cg2raw.io.figure import drawn
 from studies.figures.styles import styles
+from studies.tasks.paired import Kept
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Errors = Mapping[str, Sequence[Sequence[float]]]  # source: (draws, frames), degrees
+Errors = Mapping[str, Kept]  # source: of (draws, frames), degrees
 PANEL, HEIGHT, LEGEND = 3.4, 3.0, 0.22  # inches: width, height, a line of the legend
 ENTRY, LEAST = 2.4, 4.8  # inches: an entry of the legend; the least width
 SHARES = np.linspace(0.0, 1.0, 201)
@@ -24,7 +25,7 @@ SHOWN = 0.97  # share of each source's frames that the axes reach
 def illuminant_curves(found: Mapping[str, Errors]) -> bytes:
     """Return the PNG of {camera: errors}: one panel a camera, one line a source.
 
-    The frames of all draws are taken together."""
+    Of each frame, the mean over draws."""
     names = list(next(iter(found.values())))
     width = max(PANEL * len(found), LEAST)
     columns = min(int(width / ENTRY), 3)
@@ -53,14 +54,14 @@ def illuminant_curves(found: Mapping[str, Errors]) -> bytes:
 
 def furthest(found: Mapping[str, Errors]) -> float:
     """Return the degrees that the axes reach."""
-    every = [values for errors in found.values() for values in errors.values()]
-    return max(float(np.quantile(values, SHOWN)) for values in every)
+    every = [kept for errors in found.values() for kept in errors.values()]
+    return max(float(np.quantile(kept["frames"], SHOWN)) for kept in every)
 
 
 def draw_camera(axes: "Axes", camera: str, errors: Errors) -> None:
     """Draw one panel."""
     for name, (color, dashes) in styles(errors).items():
-        values = np.quantile(np.ravel(errors[name]), SHARES)
-        axes.plot(values, SHARES, dashes, color=color, linewidth=1.3, label=name)
+        values = np.quantile(errors[name]["frames"], SHARES)
+        axes.plot(values, SHARES, ls=dashes, color=color, linewidth=1.3, label=name)
     axes.set(title=camera, xlabel="angular error, degrees", ylim=(0, 1))
     axes.grid(True)

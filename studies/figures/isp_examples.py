@@ -8,15 +8,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from studies.sources.frames import captured
 from studies.sources.real import real
 from studies.sources.sets import Draw, Sources
-from studies.tasks.isp import difference, learnt_of, pairs, pictures_of, toned
+from studies.tasks.isp import (
+    XYZ,
+    difference,
+    pairs,
+    pictures_of,
+    pixel_learner,
+    toned,
+)
 from studies.world.shots import night_shots
 
 Array = NDArray[np.float32]
 FRAMES = 2  # the first of the test frames
 GOAL, INPUT = "goal", "input as it is"
-SHOWN = ("real", "ours, dng", "upi, graphics2raw")
+SHOWN = ("real", "ours, own", "ours, match", "upi, match")
 TRANSLATION = "translation"  # the first source whose name begins so is shown, too
 
 
@@ -36,13 +44,16 @@ def isp_examples(draw: Draw, made: Sources) -> Examples:
     rules, camera = draw.world.protocol.isp, draw.camera
     shots = night_shots(draw.world, "test", rules.first, FRAMES)
     whole = replace(rules, step=1)  # the learner knows pixels, not what is beside them
-    tests = pairs(real(shots, camera.sensitivities), camera.sensor, whole)
-    pictures = {GOAL: tests.pictures, INPUT: toned(tests.inputs**2)}
+    frames = captured(real(shots, camera.sensitivities))
+    tests = pairs(frames, camera.sensor, whole)
+    pictures = {GOAL: tests.pictures[XYZ], INPUT: toned(tests.inputs**2)}
+    learner = pixel_learner(rules, draw.mode)
     for name in shown_of(made):
         own = pairs(made[name](), camera.sensor, rules)
-        pictures[name] = pictures_of(learnt_of(own, rules, draw.seed), tests.inputs)
+        developer = learner(own, draw.seed, name)
+        pictures[name] = pictures_of(developer, tests.inputs)[XYZ]
     differences = {
-        name: difference(picture, tests.pictures)
+        name: difference(picture, tests.pictures[XYZ])
         for name, picture in pictures.items()
         if name != GOAL
     }

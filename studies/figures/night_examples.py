@@ -11,12 +11,11 @@ from studies.figures.contact_sheet import Pictures
 from studies.figures.isp_examples import GOAL, SHOWN, shown_of
 from studies.learners.lesson import Array
 from studies.learners.patches import patch_learner
-from studies.sources.frames import Frames
+from studies.sources.frames import Frames, captured
 from studies.sources.real import real
 from studies.sources.sets import Draw, Sources
 from studies.tasks.denoising import Condition, conditions, lesson_of, packed
-from studies.tasks.isp import learnt_of, pairs, pictures_of
-from studies.world.exposure import exposed
+from studies.tasks.isp import CAMERA, pairs, pictures_of, pixel_learner
 from studies.world.shots import night_shots
 
 FRAMES = 2  # test frames
@@ -33,18 +32,21 @@ def night_examples(draw: Draw, made: Sources) -> dict[str, Pictures]:
     asked = [
         condition
         for condition in conditions(rules)
-        if condition.brightness == max(rules.brightness) and not condition.own_exposure
+        if condition.brightness == max(rules.brightness)
     ]
     clean, neutrals = test_planes(draw)
     isp = draw.world.protocol.isp
     goal = pairs(half_size(clean, neutrals), draw.camera.sensor, replace(isp, step=1))
-    found: dict[str, list[Array]] = {GOAL: list(goal.pictures) * len(asked)}
-    learner = patch_learner(rules, draw.mode)
+    found: dict[str, list[Array]] = {GOAL: list(goal.pictures[CAMERA]) * len(asked)}
+    learner, isp_learner = (
+        patch_learner(rules, draw.mode),
+        pixel_learner(isp, draw.mode),
+    )
     for source in shown_of(made):
         frames = made[source]()
-        planes = packed([exposed(image) for image in frames.images])
+        planes = packed(frames.images)
         training = pairs(frames, draw.camera.sensor, isp)
-        learnt = learnt_of(training, isp, draw.seed)
+        developer = isp_learner(training, draw.seed, source)
         for condition in asked:
             noisy = with_noise(clean, condition)
             lesson = lesson_of(planes, condition, rules, draw.seed, source)
@@ -54,7 +56,8 @@ def night_examples(draw: Draw, made: Sources) -> dict[str, Pictures]:
             for title, values in shown.items():
                 balanced = half_size(values / condition.brightness, neutrals)
                 inputs = pairs(balanced, draw.camera.sensor, replace(isp, step=1))
-                found.setdefault(title, []).extend(pictures_of(learnt, inputs.inputs))
+                pictures = pictures_of(developer, inputs.inputs)[CAMERA]
+                found.setdefault(title, []).extend(pictures)
     return dict(found)
 
 
@@ -67,8 +70,8 @@ def test_planes(draw: Draw) -> tuple[Array, np.ndarray]:
     )
     world = replace(draw.world, protocol=replace(protocol, scene=larger))
     shots = night_shots(world, "test", protocol.isp.first, FRAMES)
-    frames = real(shots, draw.camera.sensitivities)
-    return packed([exposed(image) for image in frames.images]), frames.neutrals
+    frames = captured(real(shots, draw.camera.sensitivities))
+    return packed(frames.images), frames.neutrals
 
 
 def with_noise(clean: Array, condition: Condition) -> Array:

@@ -8,15 +8,26 @@ from cg2raw.io.figure import BLACK, BLUE, GREEN, ORANGE, RED, SKY
 
 FAMILIES = {  # by the beginning of a source's name
     "real": BLACK,
+    "ours, match": BLUE,
     "ours, dng": BLUE,
     "ours, paper": SKY,
     "ours, spectral": GREEN,
+    "ours, captures": GREEN,
+    "ours": SKY,
     "upi": ORANGE,
     "translation": RED,
 }
 OTHERS = "#888888"
-DASHES = ("-", "--", ":", "-.")  # of the first, second, ... of a family
-Style = tuple[str, str]  # colour, dashes
+Dashes = str | tuple[int, tuple[int, ...]]  # as matplotlib has them
+DASHES: tuple[Dashes, ...] = (  # of the first, second, ... of a family
+    "-",
+    "--",
+    ":",
+    "-.",
+    (0, (6, 2, 1, 2, 1, 2)),
+    (0, (1, 3)),
+)
+Style = tuple[str, Dashes]  # colour, dashes
 
 
 def styles(names: Iterable[str]) -> dict[str, Style]:

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Sources of ours at the exposures that users of cg2raw may give renders.
+"""Sources by night: methods that make RAW of renders, at the exposures that users of
+cg2raw may give them.
 
 An exposure is a gain on scene-linear values before anything clips, of the words of
-cg2raw.Run; the core decides it. One is of the training captures, as `cg2raw match`
-finds it."""
+cg2raw.Run; the core decides it, and all methods get the same exposed renders. Some are
+of the training captures, as `cg2raw match` finds them."""
 
 import json
-from collections.abc import Sequence
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -18,46 +19,105 @@ from cg2raw import Run, Sensor
 from cg2raw.match import Comparison, Frame, compare, look
 from cg2raw.match.renders import Model, simulated
 from studies.cameras import Camera
-from studies.sources.frames import Frames, Image, words_of
+from studies.sources.frames import Frames, Image, captured, cast, words_of
 from studies.sources.ours import drawn, ours
 from studies.sources.sets import Material, Sources
+from studies.sources.translation import Translator, translation
+from studies.sources.upi import drawn_global_gains, upi
 from studies.world.exposure import exposed
 
-WORDS = {"as rendered": "0", "random": "random:0:2", "auto": "auto"}
+EXPOSURES = {"own": "0", "random": "random:0:2", "auto": "auto"}  # as cg2raw has them
+MATCH = "match"
 REC709 = np.array([0.2126, 0.7152, 0.0722], np.float32)  # luminance
 LIGHT = "D65"  # of a run whose exposure alone is asked for
 
 
-def by_exposure(found: Material, camera: Camera, seed: int) -> Sources:
-    """Return what makes the training frames of a seed: the camera, and arms of ours.
+def by_exposure(
+    found: Material, camera: Camera, seed: int, translator: Translator | None = None
+) -> Sources:
+    """Return what makes the training frames of a seed: captures; METHOD, EXPOSURE.
 
-    "ours, dng" is that of the other studies: each render's highlights at white.
-    "match" gives renders the levels of the captures, "match, drawn" exposures of the
-    distribution that is found, whatever the render; "captures' median" brightens all by
-    as many stops as they are darker in the median."""
-    told, images = camera.told(found.captures.neutrals), found.as_rendered
+    "own" is the renders' own brightness, "match" gives them the levels of the captures
+    by rank, "captures' median" brightens all by as many stops as they are darker in the
+    median. Ours draws lights near the captures' neutrals. UPI's global gain is 1, but
+    for the pair in which both have it. Without a matrix, renders are multiplied by
+    ours' neutrals. If renders are not the world's, those of the world, whose scenes are
+    like the captures', are one source more."""
+    told, count = camera.told(found.captures.neutrals), len(found.as_rendered)
+    lights = drawn(count, seed, "measured")
 
-    def at(exposure: str) -> Frames:
-        return ours(exposed_by(told, images, exposure, seed), told, seed=seed)
+    @cache
+    def images(exposure: str) -> list[Image]:
+        return exposed_by(told, found.as_rendered, exposure, seed)
 
-    def matched(how: str = "") -> Frames:
-        with TemporaryDirectory() as folder:
-            path = Path(folder) / "match.json"
-            path.write_text(json.dumps(matching(told, found.captures, images).fields()))
-            return at(f"match:{path}{how}")
+    @cache
+    def matched() -> list[Image]:
+        return exposed_by_match(told, found.captures, found.as_rendered, seed)
 
-    def as_bright() -> Frames:
-        return at(str(darker(told, found.captures, images)))
-
-    return {
-        "real": lambda: found.captures,
-        "real, other scenes": lambda: found.other_captures,
-        "ours, dng": lambda: ours(found.renders, told, seed=seed),
-        **{f"ours, {name}": partial(at, word) for name, word in WORDS.items()},
-        "ours, match": matched,
-        "ours, match, drawn": partial(matched, ":draw"),
-        "ours, captures' median": as_bright,
+    by: Mapping[str, Callable[[], list[Image]]] = {
+        **{name: partial(images, word) for name, word in EXPOSURES.items()},
+        MATCH: matched,
     }
+
+    def ours_of(
+        renders: Callable[[], list[Image]],
+        convention: str = "dng",
+        gains: Sequence[float] = (),
+    ) -> Frames:
+        return ours(renders(), told, convention, lights=lights, gains=gains)
+
+    def upi_of(
+        renders: Callable[[], list[Image]], global_gains: bool = False
+    ) -> Frames:
+        return upi(renders(), told, global_gains=global_gains, seed=seed)
+
+    def as_bright() -> list[Image]:
+        return images(str(darker(told, found.captures, found.as_rendered)))
+
+    def of_world() -> list[Image]:
+        return exposed_by_match(told, found.captures, found.of_world, seed)
+
+    def with_gains() -> Frames:
+        return ours_of(matched, gains=drawn_global_gains(count, told, seed))
+
+    def translated() -> Frames:
+        assert translator is not None
+        return translation(found.renders, translator, told, lights=our_lights())
+
+    def our_lights() -> list[str]:
+        return words_of(np.array([told.illuminant(word).neutral for word in lights]))
+
+    def without_matrix() -> Frames:
+        neutrals = np.array([told.illuminant(word).neutral for word in lights])
+        return cast(matched(), neutrals)
+
+    more: dict[str, Callable[[], Frames]] = {}
+    if found.of_world is not found.as_rendered:
+        more["ours, match, world's scenes"] = partial(ours_of, of_world)
+    if translator is not None:
+        more["translation, our lights"] = translated
+    return {
+        "real": lambda: captured(found.captures),
+        "real, other scenes": lambda: captured(found.other_captures),
+        **{f"ours, {name}": partial(ours_of, made) for name, made in by.items()},
+        "ours, captures' median": partial(ours_of, as_bright),
+        "ours, match, paper": partial(ours_of, matched, convention="paper"),
+        "ours, match, global gains": with_gains,
+        **{f"upi, {name}": partial(upi_of, made) for name, made in by.items()},
+        "upi, match, global gains": partial(upi_of, matched, global_gains=True),
+        "no matrix, match": without_matrix,
+        **more,
+    }
+
+
+def exposed_by_match(
+    sensor: Sensor, captures: Frames, images: Sequence[Image], seed: int
+) -> list[Image]:
+    """Return images (H, W, 3) at the levels of captures, by rank."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "match.json"
+        path.write_text(json.dumps(matching(sensor, captures, images).fields()))
+        return exposed_by(sensor, images, f"match:{path}", seed)
 
 
 def exposed_by(
@@ -78,7 +138,7 @@ def matching(sensor: Sensor, captures: Frames, images: Sequence[Image]) -> Compa
     (H, W, 3) under lights that are drawn as those of source ours."""
     words = words_of(captures.neutrals)
     seen = [
-        captured(sensor, exposed(image), word)
+        developed(sensor, exposed(image), word)
         for image, word in zip(captures.images, words, strict=True)
     ]
     model = Model(sensor, drawn(len(images), 0))
@@ -89,20 +149,20 @@ def matching(sensor: Sensor, captures: Frames, images: Sequence[Image]) -> Compa
 def darker(sensor: Sensor, captures: Frames, images: Sequence[Image]) -> float:
     """Return how many stops images (H, W, 3) are darker than captures as a camera
     exposes them: their median luminances, in the median."""
-    developed = [
+    scenes = [
         sensor.to_scene(exposed(image), illuminant=word)
         for image, word in zip(
             captures.images, words_of(captures.neutrals), strict=True
         )
     ]
     bright, dark = (
-        np.median([np.median(image @ REC709) for image in scenes])
-        for scenes in (developed, images)
+        np.median([np.median(image @ REC709) for image in found])
+        for found in (scenes, images)
     )
     return float(np.log2(bright / dark))
 
 
-def captured(sensor: Sensor, image: Image, word: str) -> Frame:
+def developed(sensor: Sensor, image: Image, word: str) -> Frame:
     """Return the match's Frame of camera RGB (H, W, 3), white 1, under a light."""
     plane = sensor.raw_from_signal(sensor.mosaic(image))
     return look("", plane, sensor, sensor.illuminant(word))

@@ -8,6 +8,8 @@ profile has, as published; or near those neutrals themselves."""
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from cg2raw import Sensor
 from studies.sources.frames import Frames, Image, framed
 
@@ -20,22 +22,35 @@ def ours(
     convention: str = "dng",
     *,
     lights: Sequence[str] = (),
+    gains: Sequence[float] = (),
     seed: int = 0,
 ) -> Frames:
     """Return the Frames of rendered images (H, W, 3), linear sRGB, exposed.
 
     convention : one of CONVENTIONS; spectral needs a sensor with sensitivities.
     lights : words, one for each image; by default drawn, the same of the same @seed.
-    Their own exposure is that of the renders: gain 1."""
+    gains : digital gains, one for each image; by default 1."""
     words = lights or drawn(len(images), seed)
     made = framed(
         (
-            sensor.to_camera(image, illuminant=word, convention=convention),
+            sensor.to_camera(
+                image, illuminant=word, convention=convention, digital_gain=gain
+            ),
             sensor.illuminant(word).neutral,
         )
-        for image, word in zip(images, words, strict=True)
+        for image, word, gain in zip(
+            images, words, gains or [1.0] * len(images), strict=True
+        )
     )
-    return replace(made, own=tuple(made.images))
+    return replace(made, scenes=gained(images, gains))
+
+
+def gained(images: Sequence[Image], gains: Sequence[float]) -> tuple[Image, ...]:
+    """Return images times their gains, if there are any."""
+    if not gains:
+        return tuple(images)
+    pairs = zip(images, gains, strict=True)
+    return tuple(image * np.float32(gain) for image, gain in pairs)
 
 
 def drawn(count: int, seed: int, word: str = "sample") -> list[str]:

@@ -46,6 +46,7 @@ class Material:
     other_captures: Frames  # of other scenes: how far real is from itself
     renders: list[Image]  # (H, W, 3) linear sRGB, exposed: no source saturates more
     as_rendered: list[Image]  # the same before that
+    of_world: list[Image]  # renders of the world as rendered; the same if no others
 
 
 def material(
@@ -74,15 +75,15 @@ def material(
         )
         for number, first in enumerate((rules.real, rules.other, rules.rendered))
     )
-    if rendered_images is None:
-        images = [rendered(shot) for shot in renders]
-    else:
+    images = of_world = [rendered(shot) for shot in renders]
+    if rendered_images is not None:
         images = rendered_images.drawn(frames, seed)
     return Material(
         real(captures, camera.sensitivities),
         real(others, camera.sensitivities),
         [auto_exposed(image) for image in images],
         images,
+        of_world,
     )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from cg2raw import Sensor
 from cg2raw.upi import Upi
 from studies.sources.frames import Frames, Image, framed
-from studies.world.exposure import exposed, exposure
+from studies.world.exposure import exposed
 
 # Of exposed renders (H, W, 3), 0..1, what is like exposed, balanced captures.
 Translator = Callable[[Sequence[Image]], list[Image]]
@@ -35,18 +35,21 @@ def translation(
     gains : one of sources.upi.GAINS; camera needs a sensor with neutrals.
     lights : words, one for each image, in place of drawn gains; those of sources.ours
         are drawn(len(images), seed).
-    A frame has its render's scale; what exposed() clips of the render stays clipped.
-    Their own exposure is that of the renders, exposed; gain 1."""
+    A frame is as bright as the network leaves it, and no truth is known of it: its
+    scene is what the sensor's matrices make of it."""
     words = lights or drawn_gains(len(images), sensor, gains, seed)
     neutrals = [sensor.illuminant(word).neutral for word in words]
-    scales = [np.float32(exposure(image)) for image in images]
-    made = translator([exposed(image) for image in images])
-    own = tuple(
+    made = [
         image * np.asarray(neutral, np.float32)
-        for image, neutral in zip(made, neutrals, strict=True)
+        for image, neutral in zip(
+            translator([exposed(image) for image in images]), neutrals, strict=True
+        )
+    ]
+    scenes = tuple(
+        sensor.to_scene(image, illuminant=word)
+        for image, word in zip(made, words, strict=True)
     )
-    scaled = [image / scale for image, scale in zip(own, scales, strict=True)]
-    return replace(framed(zip(scaled, neutrals, strict=True)), own=own)
+    return replace(framed(zip(made, neutrals, strict=True)), scenes=scenes)
 
 
 def drawn_gains(count: int, sensor: Sensor, gains: str, seed: int) -> list[str]:

@@ -27,8 +27,8 @@ class Summary:
 
 
 def summary(errors: NDArray[np.float64]) -> Summary:
-    """Return the Summary of errors (n,), at least 4."""
-    ordered, quarter = np.sort(errors), len(errors) // 4
+    """Return the Summary of errors (n,), at least 1; a quarter has one at least."""
+    ordered, quarter = np.sort(errors), max(len(errors) // 4, 1)
     parts = ordered, ordered[:quarter], ordered[-quarter:]
     mean, best, worst = (float(part.mean()) for part in parts)
     return Summary(mean, float(np.median(ordered)), best, worst)

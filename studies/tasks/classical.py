@@ -4,7 +4,7 @@
 
 It knows no source but real, so that no constant of the world can favour one."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import astuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from studies.cameras import NUS, Camera
 from studies.protocol import ClassicalRules
 from studies.sources.real import real
-from studies.tasks.angles import Summary, degrees, summary
+from studies.tasks.angles import Summary, degrees
 from studies.world.exposure import exposed
 from studies.world.shots import World, shots
 
@@ -52,14 +52,12 @@ def classical(world: World, camera: Camera, frames: int) -> dict[str, list[float
     return found
 
 
-def over_cameras(
-    found: Mapping[str, Mapping[str, Sequence[float]]],
-) -> dict[str, Summary]:
+def over_cameras(found: Mapping[str, Mapping[str, Summary]]) -> dict[str, Summary]:
     """Return each method's Summary, geometric means over cameras as PUBLISHED has them.
 
-    found : {camera: {method: errors in degrees}}."""
+    found : {camera: {method: of its errors in degrees}}."""
     together = {}
     for method in PUBLISHED:
-        rows = [astuple(summary(np.array(errors[method]))) for errors in found.values()]
+        rows = [astuple(summaries[method]) for summaries in found.values()]
         together[method] = Summary(*np.exp(np.log(rows).mean(axis=0)).tolist())
     return together

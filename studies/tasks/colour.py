@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import cg2raw
 from studies.cameras import Camera
 from studies.protocol import ColourRules
-from studies.sources.frames import Frames, Image, words_of
+from studies.sources.frames import Frames, Image, cast, words_of
 from studies.sources.ours import ours
 from studies.sources.real import real
 from studies.sources.upi import upi
@@ -63,12 +63,6 @@ def methods(
         ),
         "best matrix": lambda: best(renders, truth),
     }
-
-
-def cast(renders: Sequence[Image], neutrals: NDArray[np.float64]) -> Frames:
-    """Return Frames of renders multiplied by neutrals (n, 3)."""
-    pairs = zip(renders, neutrals, strict=True)
-    return Frames([np.asarray(r * n, np.float32) for r, n in pairs], neutrals)
 
 
 def best(renders: Sequence[Image], truth: Frames) -> Frames:

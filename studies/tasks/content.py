@@ -11,7 +11,7 @@ import numpy as np
 
 from studies.sources.frames import Frames, TestSets
 from studies.sources.sets import Draw, Sources
-from studies.tasks.isp import scaled
+from studies.tasks.isp import white_of
 from studies.world.exposure import exposed
 
 DARKEST = 1e-3  # of white; steps below it are noise or black
@@ -35,7 +35,7 @@ def content_of(frames: Frames) -> Values:
     the least channel is below the greatest, of it 1; a high quantile of steps between
     neighbours, in stops of green."""
     rows = [
-        measured(scaled(exposed(image) / neutral.astype(np.float32)))
+        measured(exposed(image) / neutral.astype(np.float32))
         for image, neutral in zip(frames.images, frames.neutrals, strict=True)
     ]
     medians = np.median(np.array(rows), axis=0)
@@ -43,7 +43,8 @@ def content_of(frames: Frames) -> Values:
 
 
 def measured(balanced: np.ndarray) -> tuple[float, float, float]:
-    """Return MEASURES of balanced camera RGB (h, w, 3), white 1."""
+    """Return MEASURES of balanced camera RGB (h, w, 3), of any exposure."""
+    balanced = balanced / white_of(balanced)
     most = np.maximum(balanced.max(axis=2), DARKEST)
     saturation = (most - balanced.min(axis=2)) / most
     green = balanced[..., 1]

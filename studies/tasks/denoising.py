@@ -2,14 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """Study 2: denoising of packed RAW, trained on each source, tested on the camera.
 
-Two arms, of the same test frames, which the camera's auto exposure has exposed.
-*Equal exposure*: all sources' frames are exposed by that same rule, so that colour
-alone tells them apart. *Own exposure*: each source's frames are as its method leaves
-them. That of the camera's own frames is auto exposure again, so they are the same in
-both arms. Renders are exposed as renderers do, by the same rule on their own pixels;
-what ours makes of them has gain 1, and UPI's has the global gain that UPI draws; each
-keeps highlights white as its convention says. Brightness then multiplies the frames of
-all sources and the test frames alike, so it is of the scene and no method's."""
+The camera's auto exposure has exposed its frames; each other source's are as bright as
+its exposure made them, and what is clipped stays clipped. Brightness then multiplies
+the frames of all sources and the test frames alike, so it is of the scene and no
+method's."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -22,12 +18,11 @@ from studies.learners.lesson import Array, Denoiser, Learner, Lesson
 from studies.learners.patches import patch_learner
 from studies.learners.unet_denoiser import unet_learner
 from studies.protocol import DenoisingRules
-from studies.sources.frames import Frames, Image, TestSets
+from studies.sources.frames import Frames, Image, TestSets, captured
 from studies.sources.real import real
 from studies.sources.sets import Draw, Sources
 from studies.tasks.noise import Noise, noise_of
 from studies.tasks.quality import psnr, ssim
-from studies.world.exposure import exposed
 from studies.world.shots import World, night_shots
 
 Scores = dict[str, list[float]]  # PSNR in dB and SSIM: of each test frame
@@ -44,25 +39,18 @@ class Condition:
     iso: float
     brightness: float  # of the exposure that the protocol's table exposure makes
     noise: Noise
-    own_exposure: bool = False
 
     @property
     def name(self) -> str:
         """What results call it."""
-        arm = ", own exposure" if self.own_exposure else ""
-        return f"ISO {self.iso:g}, brightness {self.brightness:g}{arm}"
+        return f"ISO {self.iso:g}, brightness {self.brightness:g}"
 
 
-def conditions(
-    rules: DenoisingRules, arms: Sequence[bool] = (False, True)
-) -> list[Condition]:
-    """Return all Conditions, those of equal exposure first.
-
-    arms : whether frames have their own exposure."""
+def conditions(rules: DenoisingRules) -> list[Condition]:
+    """Return all Conditions."""
     lender = Sensor(rules.noise_of)
     return [
-        Condition(iso, brightness, noise_of(lender, iso), own)
-        for own in arms
+        Condition(iso, brightness, noise_of(lender, iso))
         for iso in rules.isos
         for brightness in rules.brightness
     ]
@@ -73,31 +61,20 @@ def denoising_draw(
     made: Sources,
     tests: TestSets,
     learner: Learner | None = None,
-    arms: Sequence[bool] = (False, True),
 ) -> dict[str, Conditions]:
     """Return the Scores of learners that are trained on each source, by tests.
 
-    learner : by default least squares on random features. arms : see conditions()."""
+    learner : by default least squares on random features."""
     rules = draw.world.protocol.denoising
     learner = learner or patch_learner(rules, draw.mode)
-    asked = conditions(rules, arms)
-    planes = {name: equally_exposed(frames) for name, frames in tests.items()}
+    asked = conditions(rules)
+    planes = {name: packed(frames.images) for name, frames in tests.items()}
     found: dict[str, Conditions] = {
         name: {condition.name: {} for condition in asked} for name in tests
     }
     for source, make in made.items():
-        frames = make()
-        equal = equally_exposed(frames)
-        own = packed(frames.own) if frames.own else None
+        clean = packed(make().images)
         for condition in asked:
-            clean = own if condition.own_exposure else equal
-            if clean is None:
-                same = replace(condition, own_exposure=False)
-                if same in asked:
-                    for entry in found.values():
-                        entry[condition.name][source] = entry[same.name][source]
-                    continue
-                clean = equal
             name = f"{draw.camera.id}, {condition.name}, {source}, draw {draw.seed}"
             lesson = lesson_of(clean, condition, rules, draw.seed, name)
             denoiser = learner(lesson)
@@ -107,9 +84,9 @@ def denoising_draw(
 
 
 def unet_draw(draw: Draw, made: Sources, tests: TestSets) -> dict[str, Conditions]:
-    """Return the Scores of U-nets, of what the protocol's table unet names."""
+    """Return the Scores of U-nets, of what the protocol's table names."""
     protocol = draw.world.protocol
-    own = protocol.unet
+    own = protocol.denoising_unet
     rules = replace(protocol.denoising, isos=own.isos, brightness=own.brightness)
     world = replace(draw.world, protocol=replace(protocol, denoising=rules))
     few = {source: made[source] for source in own.sources}
@@ -121,7 +98,7 @@ def test_frames(world: World, camera: Camera, mode: str) -> Frames:
     """Return the camera's frames of the test half, the same for all draws."""
     rules = world.protocol.denoising
     shots = night_shots(world, "test", rules.first, rules.tests[mode])
-    return real(shots, camera.sensitivities)
+    return captured(real(shots, camera.sensitivities))
 
 
 def lesson_of(
@@ -158,11 +135,6 @@ def psnr_ssim_of(denoiser: Denoiser, tests: Array, lesson: Lesson) -> Scores:
         measure: [round(value, DECIMALS[measure]) for value in values]
         for measure, values in scores.items()
     }
-
-
-def equally_exposed(frames: Frames) -> Array:
-    """Return the planes of frames as a camera's auto exposure has them."""
-    return packed([exposed(image) for image in frames.images])
 
 
 def packed(images: Sequence[Image]) -> Array:

@@ -17,8 +17,17 @@ from studies.sources.real import real
 from studies.sources.sets import Draw, Sources
 from studies.tasks.angles import degrees
 from studies.world.exposure import exposed
-from studies.world.shots import World, shots
+from studies.world.lights import mccamy
+from studies.world.scene import Shot
+from studies.world.shots import World, lit_by, shots
 
+LEDS = "LED lamps"
+BY_KELVIN = {  # of main lights
+    "below 3500 K": (0.0, 3500.0),
+    "3500 to 5000 K": (3500.0, 5000.0),
+    "5000 to 7000 K": (5000.0, 7000.0),
+    "above 7000 K": (7000.0, np.inf),
+}
 Errors = dict[str, dict[str, list[float]]]  # tests: source: of each frame
 
 
@@ -26,9 +35,8 @@ def need_torch() -> None:
     """Raise ValueError without PyTorch."""
     if importlib.util.find_spec("torch") is None:
         raise ValueError(
-            "networks need PyTorch: pip install torch --index-url "
-            "https://download.pytorch.org/whl/cpu; colour, denoising and isp run "
-            "without it"
+            "networks need PyTorch, which ./scripts/evidence installs; classical, "
+            "colour, denoising and isp run without it"
         )
 
 
@@ -72,12 +80,35 @@ def light_draws_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:
     return illuminant_draw(draw, few, tests)
 
 
+def held_out_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:
+    """Return the errors of the sources that the protocol names for held-out LEDs."""
+    names = draw.world.protocol.held_out_leds.sources
+    return illuminant_draw(draw, {source: made[source] for source in names}, tests)
+
+
 def test_frames(world: World, camera: Camera, mode: str) -> Frames:
     """Return the camera's frames of the test half, the same for all seeds."""
+    return real(test_shots(world, camera, mode), camera.sensitivities)
+
+
+def test_shots(world: World, camera: Camera, mode: str) -> list[Shot]:
+    """Return the shots of the test frames."""
     rules = world.protocol.illuminant
-    count = rules.tests[mode]
-    tests = shots(world, "test", "day", camera.cards, rules.first, count)
-    return real(tests, camera.sensitivities)
+    return shots(world, "test", "day", camera.cards, rules.first, rules.tests[mode])
+
+
+def tests_by_light(world: World, camera: Camera, mode: str) -> dict[str, Frames]:
+    """Return the test frames by the colour temperature of their main lights, and as
+    many whose lights are LEDs."""
+    taken = test_shots(world, camera, mode)
+    frames = real(taken, camera.sensitivities)
+    kelvin = mccamy(np.array([shot.lights[0] for shot in taken]))
+    found = {
+        name: frames.chosen((kelvin >= low) & (kelvin < high))
+        for name, (low, high) in BY_KELVIN.items()
+        if ((kelvin >= low) & (kelvin < high)).any()
+    }
+    return {**found, LEDS: test_frames(lit_by(world, leds=True), camera, mode)}
 
 
 def thumbnails(frames: Frames, block: int) -> NDArray[np.float32]:

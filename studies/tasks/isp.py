@@ -2,126 +2,207 @@
 # Copyright Contributors to the cg2raw Project.
 """Study 3: a neural ISP, from balanced camera RGB to a picture, trained on each source.
 
-The picture that is to be learnt is a DNG renderer's: the frame's own matrices and
-neutral, then one tone curve. A source's frames are developed by what its own files say;
-the test frames by what the camera's say."""
+One learner has two goals, of which each is a picture by one tone curve. XYZ is what the
+CIE 1931 observer sees of the spectra, adapted from the main light to D65; a source of
+renders has the renders themselves, so that no camera's matrix is in any goal. CAMERA is
+a DNG renderer's: the frame's own matrices and neutral, which label training and test
+frames alike, so it favours who has the camera's matrices.
 
+One learner is of pixels (least squares on random features), one of neighbourhoods, a
+U-net. Frames are as bright as their source leaves them, and of what clips the learner
+is shown white, as a camera's processor has it."""
+
+from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw import Sensor
 from studies.cameras import Camera
-from studies.learners.least_squares import Learnt, learn
-from studies.protocol import IspRules
-from studies.sources.frames import Frames, TestSets, words_of
+from studies.learners.least_squares import learn
+from studies.learners.unet import Examples, train
+from studies.learners.unet_denoiser import file_name
+from studies.protocol import IspRules, IspUnetRules
+from studies.sources.frames import Frames, TestSets, captured, words_of
 from studies.sources.real import real
 from studies.sources.sets import Draw, Sources
-from studies.world.exposure import exposed
+from studies.tasks.quality import psnr, ssim
 from studies.world.shots import World, night_shots
 
 Array = NDArray[np.float32]
-Measures = dict[str, list[float]]  # CIEDE2000 and PSNR in dB: of each test frame
-Errors = dict[str, dict[str, Measures]]  # tests: source
-QUANTILE = 0.98  # of a frame, that becomes white
-MOST = 2.0  # of balanced camera RGB over white, that the learner is shown
+Measures = dict[str, list[float]]  # CIEDE2000, PSNR in dB, SSIM: of each test frame
+Errors = dict[str, dict[str, dict[str, Measures]]]  # tests: goal: source
+XYZ, CAMERA = "CIE XYZ", "camera's own rendering"
+GOALS = (XYZ, CAMERA)
+QUANTILE = 0.98  # of a balanced frame, that becomes white
+MOST = 1.5  # root of balanced camera RGB over white, that the learner is shown
 KNEE = 0.625  # of the tone curve: what 1 becomes before it is scaled to 1
+SAMPLED = 87  # key of a generator
 
 
 @dataclass(frozen=True)
 class Pairs:
-    """Inputs and pictures (n, h, w, 3) of frames."""
+    """Inputs (n, h, w, 3) of frames, and pictures (n, h, w, 3) by goal."""
 
     inputs: Array
-    pictures: Array
+    pictures: dict[str, Array]
 
-    def pixels(self) -> tuple[Array, Array]:
-        """Return inputs and pictures as (n h w, 3)."""
-        return self.inputs.reshape(-1, 3), self.pictures.reshape(-1, 3)
+    def both(self) -> Array:
+        """Return the pictures of all GOALS (n, h, w, 6)."""
+        return np.concatenate([self.pictures[goal] for goal in GOALS], axis=-1)
+
+
+Developer = Callable[[Array], Array]  # inputs (n, h, w, 3) to pictures of all GOALS
+Learner = Callable[[Pairs, int, str], Developer]  # of a source's pairs, seed and name
 
 
 def isp_draw(
-    draw: Draw, made: Sources, tests: TestSets, own_exposure: bool = False
+    draw: Draw, made: Sources, tests: TestSets, learner: Learner | None = None
 ) -> Errors:
     """Return the Measures of learners that are trained on each source.
 
-    own_exposure : see pairs()."""
+    learner : by default of pixels."""
     rules, sensor = draw.world.protocol.isp, draw.camera.sensor
-    goals = {n: pairs(of, sensor, rules, own_exposure) for n, of in tests.items()}
-    found: Errors = {name: {} for name in tests}
+    learner = learner or pixel_learner(rules, draw.mode)
+    shown_tests = {name: pairs(of, sensor, rules) for name, of in tests.items()}
+    found: Errors = {
+        name: {goal: {} for goal in of.pictures} for name, of in shown_tests.items()
+    }
     for source, make in made.items():
-        own = pairs(make(), sensor, rules, own_exposure)
-        learnt = learnt_of(own, rules, draw.seed)
-        for name, goal in goals.items():
-            found[name][source] = measured(learnt, goal)
+        name = f"{draw.camera.id}, isp, {source}, draw {draw.seed}"
+        developer = learner(pairs(make(), sensor, rules), draw.seed, name)
+        for of, goals in shown_tests.items():
+            pictures = pictures_of(developer, goals.inputs)
+            for goal, wanted in goals.pictures.items():
+                found[of][goal][source] = measured(pictures[goal], wanted)
     return found
+
+
+def isp_unet_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:
+    """Return the Measures of U-nets, of the sources that the protocol names."""
+    rules = draw.world.protocol.isp_unet
+    few = {source: made[source] for source in rules.sources}
+    folder = draw.folder and draw.folder / "unet"
+    learner = unet_learner(rules, draw.world.protocol.isp, draw.mode, folder)
+    return isp_draw(draw, few, tests, learner)
 
 
 def test_frames(world: World, camera: Camera, mode: str) -> Frames:
     """Return the camera's frames of the test half, the same for all draws."""
     rules = world.protocol.isp
     shots = night_shots(world, "test", rules.first, rules.tests[mode])
-    return real(shots, camera.sensitivities)
+    return captured(real(shots, camera.sensitivities))
 
 
-def learnt_of(own: Pairs, rules: IspRules, seed: int) -> Learnt:
-    """Return what is learnt of a source's pairs; the last share is for validation."""
-    count = round(len(own.inputs) * rules.validation)
-    training, validation = (
-        Pairs(own.inputs[kept], own.pictures[kept]).pixels()
-        for kept in (slice(None, -count), slice(-count, None))
-    )
-    return learn(training, validation, rules.features, rules.ridges, seed)
+def pixel_learner(rules: IspRules, mode: str) -> Learner:
+    """Return the Learner of random features of pixels. mode : quick or full."""
+
+    def learner(own: Pairs, seed: int, _: str) -> Developer:
+        count = round(len(own.inputs) * rules.validation)
+        rng, goals = np.random.default_rng([seed, SAMPLED]), own.both()
+        training, validation = (
+            sampled(own.inputs[kept], goals[kept], rules.samples[mode], rng)
+            for kept in (slice(None, -count), slice(-count, None))
+        )
+        learnt = learn(training, validation, rules.features, rules.ridges, seed)
+        return lambda inputs: learnt(inputs.reshape(-1, 3)).reshape(
+            *inputs.shape[:3], -1
+        )
+
+    return learner
 
 
-def measured(learnt: Learnt, tests: Pairs) -> Measures:
-    """Return each measure of the test frames."""
-    made = pictures_of(learnt, tests.inputs)
-    squares = ((made - tests.pictures) ** 2).mean(axis=(1, 2, 3))
+def sampled(
+    inputs: Array, goals: Array, count: int, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Return at most count pixels (m, 3) of inputs and (m, 6) of goals."""
+    flat, wanted = inputs.reshape(-1, 3), goals.reshape(-1, goals.shape[-1])
+    chosen = rng.permutation(len(flat))[:count]
+    return flat[chosen], wanted[chosen]
+
+
+def unet_learner(
+    rules: IspUnetRules, isp: IspRules, mode: str, folder: Path | None
+) -> Learner:
+    """Return the Learner of a U-net. mode : quick or full. folder : of checkpoints."""
+
+    def learner(own: Pairs, seed: int, name: str) -> Developer:
+        count = round(len(own.inputs) * isp.validation)
+        examples = Examples(
+            channels_first(own.inputs), channels_first(own.both()), count
+        )
+        path = None if folder is None else folder / f"{file_name(name)}.pt"
+        trained = train(examples, rules, rules.steps[mode], seed, path)
+        return lambda inputs: np.moveaxis(trained(channels_first(inputs)), 1, -1)
+
+    return learner
+
+
+def channels_first(images: Array) -> Array:
+    """Return (n, c, h, w) of images (n, h, w, c)."""
+    return np.ascontiguousarray(np.moveaxis(images, -1, 1))
+
+
+def measured(made: Array, goals: Array) -> Measures:
+    """Return each measure of pictures (n, h, w, 3)."""
+    planes = channels_first(made), channels_first(goals)
     found = {
-        "difference": difference(made, tests.pictures).mean(axis=(1, 2)).tolist(),
-        "psnr": (-10.0 * np.log10(squares + 1e-12)).tolist(),
+        "difference": difference(made, goals).mean(axis=(1, 2)).tolist(),
+        "psnr": psnr(*planes),
+        "ssim": ssim(*planes, 1.0),
     }
     return {name: [round(value, 4) for value in row] for name, row in found.items()}
 
 
-def pictures_of(learnt: Learnt, inputs: Array) -> Array:
-    """Return the pictures, 0..1, of inputs (n, h, w, 3)."""
-    return learnt(inputs.reshape(-1, 3)).reshape(inputs.shape).clip(0.0, 1.0)
+def pictures_of(developer: Developer, inputs: Array) -> dict[str, Array]:
+    """Return the pictures, 0..1, of inputs (n, h, w, 3), by goal."""
+    parts = np.split(developer(inputs).clip(0.0, 1.0), len(GOALS), axis=-1)
+    return dict(zip(GOALS, parts, strict=True))
 
 
-def pairs(
-    frames: Frames, sensor: Sensor, rules: IspRules, own_exposure: bool = False
-) -> Pairs:
+def pairs(frames: Frames, sensor: Sensor, rules: IspRules) -> Pairs:
     """Return the Pairs of frames, every rules.step-th pixel of each side.
 
-    own_exposure : frames are as bright as their source leaves them, and of what clips
-        the learner is shown white, as a camera's processor has it. Else all are exposed
-        as a camera does, which clips next to nothing."""
+    Inputs are roots, which noise spares; inputs and pictures have one white, that of
+    the balanced input. Without scenes, there are no pictures of goal XYZ."""
     sensors = frames.sensors or [sensor] * len(frames.images)
-    images = frames.own if own_exposure and frames.own else map(exposed, frames.images)
-    white = 1.0 if own_exposure else np.inf
-    inputs, pictures = [], []
-    for image, neutral, word, own in zip(
-        images, frames.neutrals, words_of(frames.neutrals), sensors, strict=True
+    inputs: list[Array] = []
+    pictures: dict[str, list[Array]] = {XYZ: [], CAMERA: []}
+    for number, (image, neutral, word, own) in enumerate(
+        zip(
+            frames.images,
+            frames.neutrals,
+            words_of(frames.neutrals),
+            sensors,
+            strict=True,
+        )
     ):
         kept = image.clip(0.0, 1.0)
-        inputs.append(shown((kept / neutral.astype(np.float32)).clip(0.0, white)))
-        pictures.append(toned(scaled(own.to_scene(kept, illuminant=word))))
+        balanced = (kept / neutral.astype(np.float32)).clip(0.0, 1.0)
+        white = white_of(balanced)
+        inputs.append(np.sqrt(balanced / white).clip(0.0, MOST))
+        developed = {CAMERA: own.to_scene(kept, illuminant=word)}
+        if frames.scenes:
+            developed[XYZ] = frames.scenes[number]
+        for goal, scene in developed.items():
+            kept_scene = np.asarray(scene.clip(0.0, 1.0) / white, np.float32)
+            pictures[goal].append(toned(kept_scene))
     step = slice(None, None, rules.step)
-    return Pairs(np.stack(inputs)[:, step, step], np.stack(pictures)[:, step, step])
+    return Pairs(
+        np.stack(inputs)[:, step, step],
+        {
+            goal: np.stack(pictures[goal])[:, step, step]
+            for goal in GOALS
+            if pictures[goal]
+        },
+    )
 
 
-def scaled(image: Array) -> Array:
-    """Return an image whose brightest channel's quantile is 1."""
-    white = max(float(np.quantile(image.max(axis=2), QUANTILE)), 1e-4)
-    return np.asarray(image / np.float32(white))
-
-
-def shown(balanced: Array) -> Array:
-    """Return balanced camera RGB as the learner has it: roots, which noise spares."""
-    return np.asarray(np.sqrt(scaled(balanced).clip(0.0, MOST)), np.float32)
+def white_of(image: Array) -> np.float32:
+    """Return a quantile of the brightest channel of (H, W, 3), which becomes 1."""
+    return np.float32(max(float(np.quantile(image.max(axis=2), QUANTILE)), 1e-4))
 
 
 def toned(scene: Array) -> Array:

@@ -1,12 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""docs/evidence.md has a section for all that ./studies/run evidence --docs writes."""
+"""docs/evidence.md has a section for all that scripts/evidence --docs writes, and its
+tables are those of docs/evidence.json."""
 
 import re
 
 import pytest
 
-from studies.docs_page import FIGURES, STUDIES, marks, sections, update_page, write_docs
+from studies.docs_page import (
+    EARLIER,
+    FIGURES,
+    STUDIES,
+    image,
+    marks,
+    sections,
+    write_docs,
+    write_page,
+)
+from studies.protocol import PROTOCOL
+from studies.summaries import read_committed, summaries
 from studies.tables_of_results import tables_by_study
 
 PAGE = "docs/evidence.md"
@@ -36,7 +48,7 @@ def test_the_page_has_a_section_for_each_study_and_figure(page):
 
 
 def test_the_tables_of_all_studies_have_a_place(page, planted):
-    tables = tables_by_study(planted.results, 0.1)
+    tables = tables_by_study(planted.summaries, 0.1)
     assert list(tables) == ["illuminant", "denoising", "isp"]
     text = write_docs(page, sections(tables, FIGURES))
     for table in tables.values():
@@ -45,48 +57,87 @@ def test_the_tables_of_all_studies_have_a_place(page, planted):
         assert page.count(start) == text.count(start) == text.count(end) == 1
 
 
+def section(page, name):
+    """Return the text of a section."""
+    start, end = marks(name)
+    return page.partition(start)[2].partition(end)[0].strip()
+
+
+def differing(page, found):
+    """Return the studies whose tables on a page are not those of summaries, and which
+    the page neither lacks nor says to be of the first edition."""
+    tables = tables_by_study(found, PROTOCOL.classical.within)
+    return [
+        name
+        for name in STUDIES
+        if not (
+            section(page, name).startswith(tables[name])
+            if name in tables
+            else section(page, name).startswith(EARLIER) or not section(page, name)
+        )
+    ]
+
+
+def test_the_tables_of_the_page_are_those_of_the_committed_results(page):
+    """The page's figures aside, which show pictures, too."""
+    found = read_committed()
+    assert found and differing(page, found) == []
+    for study in found.values():
+        assert {"core", "host", "packages", "seeds"} <= set(study["made by"])
+
+
+def test_a_page_that_differs_from_the_committed_results_is_found(page):
+    found = read_committed()
+    name = next(name for name in STUDIES if name in tables_by_study(found, 0.1))
+    digit = re.search(r"[0-9]\.[0-9]", section(page, name))[0]
+    other = section(page, name).replace(digit, "9.9", 1)
+    assert differing(write_docs(page, {name: other}), found) == [name]
+    without = {study: made for study, made in found.items() if name not in study}
+    assert name in differing(page, without)
+
+
+def planted_studies(planted, studies):
+    """Return the Summaries of one camera's studies of planted results."""
+    name = planted.cameras[0]
+    cameras = {name: {"studies": studies}}
+    return summaries({"fingerprint": {}, "cameras": cameras})
+
+
 def test_tables_of_other_renders_say_so_and_stand_below(planted):
-    name, found = next(iter(planted.results["cameras"].items()))
-    isp = found["studies"]["isp"]
+    isp = next(iter(planted.results["cameras"].values()))["studies"]["isp"]
     both = {"isp, night renders": isp, "isp": isp}
-    tables = tables_by_study({"cameras": {name: {"studies": both}}}, 0.1)
+    tables = tables_by_study(planted_studies(planted, both), 0.1)
     heads = [line for line in tables["isp"].splitlines() if line.startswith("###")]
     assert list(tables) == ["isp"]
     assert heads[1] == f"{heads[0]}: night renders"
 
 
-def test_longer_training_and_unets_stand_below_their_studies(planted):
-    name, found = next(iter(planted.results["cameras"].items()))
-    studies = found["studies"]
+def test_longer_training_stands_below_its_study(planted):
+    studies = next(iter(planted.results["cameras"].values()))["studies"]
     few = ("real", "ours, dng", "upi, graphics2raw")
     longer = {source: studies["illuminant"][source] for source in few}
-    unet = {c: {s: e[s] for s in few} for c, e in studies["denoising"].items()}
-    results = {"cameras": {name: {"studies": studies | {"longer": longer}}}}
-    table = tables_by_study(results, 0.1)["illuminant"].split("long enough?")[1]
+    found = planted_studies(planted, studies | {"longer": longer})
+    table = tables_by_study(found, 0.1)["illuminant"].split("long enough?")[1]
     rows = [line for line in table.splitlines() if " - " in line]
     # The same errors: each difference is the same before and after.
     assert len(rows) == 3
     for row in rows:
         before, after = row.split("|")[2].split(";")
         assert before.strip() == after.strip()
-    results = {"cameras": {name: {"studies": {"unet": unet}}}}
-    text = tables_by_study(results, 0.1)["denoising"]
-    assert text.startswith("### Denoising by U-net, 2 draws")
-    assert "| ours, dng - upi, graphics2raw |" in text and "upi, camera" not in text
 
 
 def test_an_entry_of_one_draw_waits_for_the_second(planted):
-    name, found = next(iter(planted.results["cameras"].items()))
-    errors = {source: e[:1] for source, e in found["studies"]["illuminant"].items()}
-    results = {"cameras": {name: {"studies": {"illuminant": errors}}}}
-    assert tables_by_study(results, 0.1) == {}
+    studies = next(iter(planted.results["cameras"].values()))["studies"]
+    errors = {source: e[:1] for source, e in studies["illuminant"].items()}
+    found = planted_studies(planted, {"illuminant": errors})
+    assert tables_by_study(found, 0.1) == {}
 
 
 def test_measured_tables_stand_in_their_sections(page):
     for name, title in (("classical", "### Classical"), ("colour", "### Colour, day")):
         start, end = marks(name)
         text = page.partition(start)[2].partition(end)[0].strip()
-        assert text.startswith(title) and text.endswith("|")
+        assert title in text and text.endswith("|")
         assert write_docs(page, {name: text}) == page
 
 
@@ -124,38 +175,62 @@ def test_a_page_without_the_marks_is_refused(before, after):
     assert "\n" not in str(refused.value)
 
 
-def test_a_page_has_figures_of_the_studies_that_are_written(tmp_path):
+@pytest.fixture
+def written(tmp_path, planted):
+    """Return written(summaries): the text of a page, and its committed results."""
     page = tmp_path / "page.md"
-    page.write_text(TWO)
+    start, end = marks("gap")
+    page.write_text(f"{TWO}\n{start}\n{end}\n")
+
+    def write(found):
+        committed = tmp_path / "evidence.json"
+        write_page(found, tmp_path, page, committed)
+        return page.read_text(), read_committed(committed)
+
+    return write
+
+
+def test_a_page_has_figures_of_the_studies_that_are_written(written, tmp_path, planted):
     for name in ("isp", "illuminant"):
         (tmp_path / f"{name}.png").write_bytes(name.encode())
-    update_page({"isp": "a table"}, tmp_path, page)
-    text = page.read_text()
-    assert "a table\n\n![The goal" in text and "illuminant" not in text
-    written = {path.name: path.read_bytes() for path in (tmp_path / "images").iterdir()}
-    assert written == {"evidence_isp.png": b"isp"}
-    update_page({"isp": "a table"}, tmp_path, page)
-    assert page.read_text() == text
+    found = {"isp": planted.summaries["isp"]}
+    text, kept = written(found)
+    assert "### Neural ISP" in text and "|\n\n![The goal" in text
+    assert "illuminant" not in text and kept == found
+    images = {path.name: path.read_bytes() for path in (tmp_path / "images").iterdir()}
+    assert images == {image("isp"): b"isp"}
+    assert written(found) == (text, kept)
+    # Without its picture, a study's tables are renewed above the earlier picture.
+    (tmp_path / "isp.png").unlink()
+    assert written(found) == (text, kept)
 
 
-def test_an_earlier_figure_of_all_studies_needs_tables_of_one(tmp_path):
-    page = tmp_path / "page.md"
+def test_other_studies_and_cameras_of_the_same_make_are_kept(written, planted):
+    one, other = planted.cameras
+    isp = planted.summaries["isp"]
+
+    def of(camera, **made_by):
+        cameras = {camera: isp["cameras"][camera]}
+        return {"isp": {"made by": {**isp["made by"], **made_by}, "cameras": cameras}}
+
+    written(of(one))
+    text, kept = written(of(other))
+    assert sorted(kept["isp"]["cameras"]) == sorted((one, other))
+    assert one in text and other in text
+    text, kept = written(of(other, core="another"))
+    assert list(kept["isp"]["cameras"]) == [other] and one not in text
+
+
+def test_nothing_is_written_to_a_page_that_lacks_a_section(tmp_path, planted):
+    page, committed = tmp_path / "page.md", tmp_path / "evidence.json"
     page.write_text(TWO)
-    (tmp_path / "gap.png").write_bytes(b"gap")
-    update_page({"colour": "a table"}, tmp_path, page)
-    assert list((tmp_path / "images").iterdir()) == []
-    with pytest.raises(ValueError, match="study: gap"):
-        update_page({"isp": "a table"}, tmp_path, page)
-
-
-def test_nothing_is_written_to_a_page_that_lacks_a_section(tmp_path):
-    page = tmp_path / "page.md"
-    page.write_text(TWO)
-    with pytest.raises(ValueError, match="page.md: .*study: denoising"):
-        update_page({"isp": "a table", "denoising": "a table"}, tmp_path, page)
-    assert page.read_text() == TWO and not (tmp_path / "images").exists()
+    with pytest.raises(ValueError, match="page.md: .*study: illuminant"):
+        write_page(planted.summaries, tmp_path, page, committed)
+    assert page.read_text() == TWO
+    assert not (tmp_path / "images").exists() and not committed.exists()
+    missing = tmp_path / "missing.md"
     with pytest.raises(ValueError, match="missing.md"):
-        update_page({}, tmp_path, tmp_path / "missing.md")
+        write_page(planted.summaries, tmp_path, missing, committed)
 
 
 def test_a_page_has_no_numbers_of_few_frames(capsys):

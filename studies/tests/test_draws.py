@@ -63,3 +63,21 @@ def test_more_test_frames_are_entries_of_their_own(run, ran, camera_of):
     assert asked[3:] == [(seed, [draws.JUDGE]) for seed in range(3)]
     for name in ("isp", f"isp, {draws.JUDGE}"):
         assert draws.draws_of(draws.entry_of(run.results, camera, name)) == 3
+
+
+def test_held_out_leds_are_in_no_training_frame(run, camera_of, monkeypatch):
+    """By the neutrals of main lights; the illuminant study's have them."""
+    camera, learned = camera_of("canon-600d"), draws.LEARNED["held_out_leds"]
+    rules = replace(run.world.protocol.illuminant, frames={"quick": 40})
+    world = replace(run.world, protocol=replace(run.world.protocol, illuminant=rules))
+    small = replace(run, world=world)
+    pool = world.lights["train"]
+    leds = {tuple(n) for n in camera.neutrals(pool.powers[pool.led]).round(9)}
+    met = {
+        name: {
+            tuple(n)
+            for n in draws.material_of(small, of, camera, 0).captures.neutrals.round(9)
+        }
+        for name, of in (("held out", learned), ("all", draws.LEARNED["light_draws"]))
+    }
+    assert met["all"] & leds and not met["held out"] & leds

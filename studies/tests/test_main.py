@@ -3,11 +3,14 @@
 """The command: what it says of what is missing, and one camera from end to end."""
 
 import json
+import os
+import subprocess
 from dataclasses import replace
 
 import pytest
 
 from studies import main as command
+from studies import results as command_results
 from studies.places import data_folder, luxpy_folder
 from studies.protocol import FILE, PROTOCOL, read_protocol
 
@@ -112,6 +115,34 @@ def short(monkeypatch):
         colour=replace(PROTOCOL.colour, frames=frames),
     )
     monkeypatch.setattr(command, "PROTOCOL", protocol)
+
+
+def test_another_version_of_a_package_is_said_in_one_line(
+    monkeypatch, tmp_path, capsys
+):
+    found = {**command_results.installed(), "numpy": "1.0.0"}
+    monkeypatch.setattr(command_results, "installed", lambda: found)
+    assert command.main(["colour", "-o", str(tmp_path)]) == 1
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1 and "numpy 1.0.0 is installed" in error
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow  # minutes
+def test_a_small_run_of_all_studies(camera_data, repository, tmp_path):
+    """As users run it, in the pinned environment, which needs an index once."""
+    script = repository / "scripts" / "evidence"
+    words = ["--quick", "-o", tmp_path, "--data", camera_data]
+    every = [script, *command.STUDIES, *map(str, words)]
+    done = subprocess.run(every, capture_output=True, text=True)
+    if "cannot be installed" in done.stderr and not os.environ.get("CI"):
+        pytest.skip(done.stderr.strip())
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "results.json").read_text())["cameras"]
+    studies = {name for camera in found.values() for name in camera["studies"]}
+    assert studies == set(command.STUDIES)
+    tables = (tmp_path / "tables.md").read_text()
+    assert "| ours, match - upi, match |" in tables
 
 
 @pytest.mark.slow

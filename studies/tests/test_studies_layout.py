@@ -25,6 +25,7 @@ ROOMS = (
     "mitsuba_judge.report",
     "mitsuba_judge.main",
     "results",
+    "summaries",
     "tables",
     "draws",
     "figures",

@@ -57,8 +57,15 @@ def light_colours(lights: Array, white: Array) -> Array:
     """Return linear sRGB (n, 3) of lights (n, 81) where @white (81,) is 1, 1, 1.
 
     All have luminance 1, and are adapted from white to D65 by Bradford."""
-    xyz, white_xyz, goal = (power @ observer() for power in (lights, white, d65()))
-    gains = (BRADFORD @ goal) / (BRADFORD @ white_xyz)
-    adapted = xyz @ (np.linalg.inv(BRADFORD) @ np.diag(gains) @ BRADFORD).T
-    rgb = adapted @ srgb_from_xyz().T / (srgb_from_xyz() @ goal)
-    return np.asarray(rgb.clip(LEAST_LIGHT))
+    return under_d65(lights @ observer(), white).clip(LEAST_LIGHT)
+
+
+def under_d65(xyz: Array, white: Array) -> Array:
+    """Return linear sRGB (..., 3) of XYZ, adapted from @white (81,) to D65 by Bradford.
+
+    White, at its own luminance of 1, is 1, 1, 1."""
+    goal = d65() @ observer()
+    gains = (BRADFORD @ goal) / (BRADFORD @ (white @ observer()))
+    adapted = np.linalg.inv(BRADFORD) @ np.diag(gains) @ BRADFORD
+    rgb = (srgb_from_xyz() @ adapted) / (srgb_from_xyz() @ goal)[:, None]
+    return np.asarray(xyz @ rgb.T)

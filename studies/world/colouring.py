@@ -8,7 +8,13 @@ materials by lights, and no pixel has a spectrum."""
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.world.colorimetry import Array, albedos, light_colours
+from studies.world.colorimetry import (
+    Array,
+    albedos,
+    light_colours,
+    observer,
+    under_d65,
+)
 from studies.world.scene import Scene, Shot
 
 Image = NDArray[np.float32]
@@ -24,6 +30,13 @@ def seen(shot: Shot, sensitivities: Array) -> Image:
         for rho in (scene.materials, twice)
     )
     return painted(scene, energy.sum(axis=1), once, again)
+
+
+def observed(shot: Shot) -> Image:
+    """Return (H, W, 3) linear sRGB of the CIE 1931 observer's XYZ, the main light
+    adapted to D65: where it is white, 1, 1, 1. Unbounded."""
+    xyz = seen(shot, observer()).astype(np.float64)
+    return np.asarray(under_d65(xyz, shot.lights[0]), np.float32)
 
 
 def rendered(shot: Shot) -> Image:

@@ -5,6 +5,7 @@
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from studies.world.colorimetry import Array, observer, of_luminance_1
 from studies.world.halves import Half, halved
 
 TM30_LAMPS = Path("spds") / "IESTM30_15_Sspds.dat"
+TM30_TYPES = Path("spds") / "IESTM30_15_Sinfo.txt"
 FAMILIES = ("daylight", "black_body", "lamp")
 KEY, HALF_KEY = 7, 5
 LEAST_POWER = 1e-3  # of a phase of daylight that scatter took below 0
@@ -28,6 +30,7 @@ class Lights:
 
     powers: Array  # (n, 81), luminance 1
     family: NDArray[np.int64]  # (n,), of FAMILIES
+    led: NDArray[np.bool_]  # (n,): whether a lamp is an LED
 
     def weights(self, shares: dict[str, float]) -> Array:
         """Return (n,), sum 1: each family has its share, all of one family the same."""
@@ -35,6 +38,10 @@ class Lights:
         goal = np.array([shares[name] for name in FAMILIES])
         weight = np.asarray(goal / np.maximum(counts, 1))[self.family]
         return np.asarray(weight / weight.sum())
+
+    def chosen(self, which: NDArray[Any]) -> "Lights":
+        """Return the lights of a mask (n,), or of places in the pool."""
+        return Lights(self.powers[which], self.family[which], self.led[which])
 
     def blueness(self) -> Array:
         """Return Z over Y (n,)."""
@@ -55,11 +62,15 @@ def lights(
 
     luxpy : its folder of data files, or None for colour-science's lamps alone."""
     rng = np.random.default_rng(KEY)
-    families = daylight(rng, rules), black_bodies(rng, rules), lamps(luxpy)
+    powers_of_lamps, led = lamps(luxpy)
+    families = daylight(rng, rules), black_bodies(rng, rules), powers_of_lamps
     powers = of_luminance_1(np.concatenate(families))
     family = np.repeat(np.arange(len(FAMILIES)), [len(rows) for rows in families])
-    parts = halved(len(powers), HALF_KEY)
-    return {half: Lights(powers[ids], family[ids]) for half, ids in parts.items()}
+    leds = np.concatenate([np.zeros(len(powers) - len(led), bool), led])
+    pool = Lights(powers, family, leds)
+    return {
+        half: pool.chosen(ids) for half, ids in halved(len(powers), HALF_KEY).items()
+    }
 
 
 def daylight(rng: np.random.Generator, rules: LightRules) -> Array:
@@ -91,14 +102,19 @@ def black_bodies(rng: np.random.Generator, rules: LightRules) -> Array:
     return np.asarray(planck * np.exp(slope * (WAVELENGTHS - 560.0) / 200.0))
 
 
-def lamps(luxpy: Path | None) -> Array:
-    """Return lamps (n, 81): the CIE's, and with luxpy's files the 318 of IES TM-30."""
+def lamps(luxpy: Path | None) -> tuple[Array, NDArray[np.bool_]]:
+    """Return lamps (n, 81), the CIE's, and with luxpy's files the 318 of IES TM-30; and
+    which of them are LEDs (n,)."""
     names = [name for name in REAL_LIGHTS if not re.search(r"K$|^A$", name)]
     rows = [illuminant_spectrum(name) for name in names]
+    led = [name.startswith("LED") for name in names]
     if luxpy is not None:
         table = np.loadtxt(luxpy / TM30_LAMPS, delimiter=",")
         rows += list(on_grid(table[:, 0], table[:, 1:]).T.clip(0.0))
-    return once(np.array(rows))
+        lines = (luxpy / TM30_TYPES).read_text().splitlines()[1:]
+        led += [line.split(",")[2].strip().startswith("LED") for line in lines]
+    kept = once(np.array(rows))
+    return np.array(rows)[kept], np.array(led)[kept]
 
 
 def on_grid(wavelengths: Array, powers: Array) -> Array:
@@ -111,11 +127,11 @@ def on_grid(wavelengths: Array, powers: Array) -> Array:
     return np.asarray(weight @ powers / weight.sum(axis=1, keepdims=True))
 
 
-def once(powers: Array) -> Array:
-    """Return powers (n, 81) without those that stand there twice."""
+def once(powers: Array) -> NDArray[np.intp]:
+    """Return which of powers (n, 81) do not stand there before."""
     shapes = of_luminance_1(powers).round(4)
     _, first = np.unique(shapes, axis=0, return_index=True)
-    return powers[np.sort(first)]
+    return np.sort(first)
 
 
 def even_in_mired(

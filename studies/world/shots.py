@@ -4,7 +4,7 @@
 
 import hashlib
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +47,12 @@ class World:
             "lights": [self.lights[half].powers for half in HALVES],
         }
         return {name: array_hash(arrays) for name, arrays in parts.items()}
+
+
+def lit_by(world: World, leds: bool) -> World:
+    """Return the world whose lights are LEDs alone, or all others."""
+    pools = {half: p.chosen(p.led == leds) for half, p in world.lights.items()}
+    return replace(world, lights=pools)
 
 
 def load_world(luxpy: Path | None, protocol: Protocol = PROTOCOL) -> World:

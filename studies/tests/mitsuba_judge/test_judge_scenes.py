@@ -11,7 +11,6 @@ import pytest
 from studies.mitsuba_judge.kit import MAIN
 from studies.mitsuba_judge.scene import SKIES, scene
 from studies.mitsuba_judge.things import Spot, Thing
-from studies.world.lights import Lights
 
 COUNT = 40
 
@@ -66,7 +65,7 @@ def test_lights_are_of_the_test_half_and_none_of_training(world, scenes):
 def test_nothing_of_a_scene_is_of_training(world, scenes):
     """What would be drawn of the training half would be no number here."""
     lights, reflectances = world.lights["train"], world.reflectances["train"]
-    nothing = Lights(np.full_like(lights.powers, np.nan), lights.family)
+    nothing = replace(lights, powers=np.full_like(lights.powers, np.nan))
     blind = replace(
         world,
         lights={**world.lights, "train": nothing},

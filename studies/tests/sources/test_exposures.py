@@ -10,6 +10,7 @@ import pytest
 from studies.sources import exposures
 from studies.sources.frames import words_of
 from studies.sources.sets import material
+from studies.sources.upi import drawn_global_gains
 from studies.world.exposure import exposed
 
 COUNT = 12
@@ -66,14 +67,55 @@ def test_a_match_gives_renders_the_levels_of_captures(found, camera):
     assert np.std(levels) == pytest.approx(np.std(captured), rel=0.15)
 
 
-def test_arms_differ_by_exposure_alone(found, camera):
+def test_methods_get_the_same_exposed_renders(found, camera):
+    """By scenes, which are the renders as they were exposed: ours' are UPI's."""
     made = exposures.by_exposure(found, camera, 0)
-    frames = {name: make() for name, make in made.items() if name.startswith("ours")}
-    assert len(frames) == 7
-    own = frames.pop("ours, as rendered")
-    for name, other in frames.items():
-        assert np.array_equal(own.neutrals, other.neutrals), name
-        assert not np.array_equal(own.own[0], other.own[0]), name
-    plain = exposures.by_exposure(replace(found, as_rendered=found.renders), camera, 0)
-    same = plain["ours, as rendered"]()
-    assert np.array_equal(same.own[0], frames["ours, dng"].own[0])
+    frames = {name: make() for name, make in made.items()}
+    for name in (*exposures.EXPOSURES, exposures.MATCH):
+        ours_, upis = frames[f"ours, {name}"], frames[f"upi, {name}"]
+        assert np.array_equal(ours_.scenes, upis.scenes), name
+        assert not np.array_equal(ours_.images, upis.images), name
+    names = [
+        name for name in frames if name.startswith("ours") and "global" not in name
+    ]
+    own = frames["ours, own"]
+    assert np.array_equal(own.scenes, found.as_rendered)
+    for name in set(names) - {"ours, own"}:
+        assert np.array_equal(own.neutrals, frames[name].neutrals), name
+        assert not np.array_equal(own.images[0], frames[name].images[0]), name
+
+
+def test_global_gains_are_upis_in_both_of_a_pair(found, camera):
+    made = exposures.by_exposure(found, camera, 0)
+    gains = drawn_global_gains(COUNT, camera.told(found.captures.neutrals), 0)
+    assert np.mean(gains) == pytest.approx(0.8, abs=0.1) and np.std(gains) > 0.03
+    for method in ("ours", "upi"):
+        plain, dark = (made[f"{method}, match{of}"]() for of in ("", ", global gains"))
+        for gain, bright, image, scene, before in zip(
+            gains, plain.images, dark.images, dark.scenes, plain.scenes, strict=True
+        ):
+            assert scene == pytest.approx(gain * before, rel=1e-5)
+            low = (bright.max(axis=2) < 0.3) & (bright.min(axis=2) > 1e-3)
+            assert np.allclose(image[low], gain * bright[low], rtol=0.02)
+
+
+def test_without_a_matrix_a_render_is_multiplied_by_the_neutral(found, camera):
+    made = exposures.by_exposure(found, camera, 0)
+    frames, ours_ = made["no matrix, match"](), made["ours, match"]()
+    assert np.array_equal(frames.neutrals, ours_.neutrals)
+    for image, scene, neutral in zip(
+        frames.images, ours_.scenes, frames.neutrals, strict=True
+    ):
+        assert image == pytest.approx(scene * neutral, rel=1e-5)
+
+
+def test_the_worlds_scenes_are_a_source_if_renders_are_others(found, camera):
+    other = replace(found, as_rendered=[image * 2 for image in found.as_rendered])
+    name = "ours, match, world's scenes"
+    assert name not in exposures.by_exposure(found, camera, 0)
+    made = exposures.by_exposure(other, camera, 0)
+    # Twice as bright, the same images are at the same levels once they match, to the
+    # bins of the match's levels.
+    pairs = zip(made[name]().images, made["ours, match"]().images, strict=True)
+    ratios = [np.median(one) / np.median(same) for one, same in pairs]
+    assert ratios == pytest.approx(np.ones(COUNT), rel=0.02)

@@ -1,26 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Study 2: what is packed, the two arms, scores by a planted denoiser, a small run."""
+"""Study 2: what is packed, scores by a planted denoiser, a small run."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cg2raw.upi import Upi
 from studies.draws import appended
 from studies.learners.lesson import Lesson
+from studies.sources.exposures import by_exposure
 from studies.sources.frames import Frames
-from studies.sources.ours import ours
-from studies.sources.sets import Draw, material, sources
-from studies.sources.upi import upi
-from studies.tables_denoising import denoising_tables
+from studies.sources.sets import Draw, material
+from studies.summaries import reduced
+from studies.tables_night import night_tables
 from studies.tasks import denoising as study
 from studies.tasks.noise import Noise
 
 FEW = {"frames": {"quick": 10}, "tests": {"quick": 3}, "draws": {"quick": 2}}
 NAMES = ("ISO 3200, brightness 0.35", "ISO 3200, brightness 0.03")
-OWN = ", own exposure"
+FEW_SOURCES = ("real", "real, other scenes", "ours, match", "upi, match")
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +36,7 @@ def small(world):
         features=40,
         samples={"quick": 2000},
         isos=(3200,),
+        brightness=(0.35, 0.03),
     )
     return replace(world, protocol=replace(world.protocol, denoising=rules))
 
@@ -44,7 +44,8 @@ def small(world):
 def made(world, camera, seed=0):
     """The sources of a seed of 10 frames."""
     found = material(world, camera, "night", world.protocol.seeds, 10, seed)
-    return sources(found, camera, seed)
+    every = by_exposure(found, camera, seed)
+    return {name: every[name] for name in FEW_SOURCES}
 
 
 def test_packing_takes_the_sites_of_rggb():
@@ -58,11 +59,8 @@ def test_packing_takes_the_sites_of_rggb():
     assert np.array_equal(planes[0, 3], kept[1::2, 1::2, 2])
 
 
-def test_conditions_are_all_of_one_arm_and_then_of_the_other(world):
-    names = [c.name for c in study.conditions(world.protocol.denoising)]
-    assert len(names) == 8
-    assert names[2:4] == list(NAMES)
-    assert names[4:] == [name + OWN for name in names[:4]]
+def test_conditions_are_each_iso_and_brightness(small):
+    assert [c.name for c in study.conditions(small.protocol.denoising)] == list(NAMES)
 
 
 @pytest.mark.parametrize("white", [1.0, 0.1])
@@ -80,23 +78,7 @@ def test_what_is_not_denoised_scores_as_its_noise(white):
     assert clean["ssim"] == [1.0, 1.0]
 
 
-def test_own_exposure_is_each_sources_own(world, camera):
-    """Real's is the camera's; ours is the RAW of the renders; UPI's is darker
-    by the gain that its draw states, highlights aside."""
-    found = material(world, camera, "night", world.protocol.seeds, 10, 0)
-    told = camera.told(found.captures.neutrals)
-    renders = found.renders
-    assert not sources(found, camera, 0)["real"]().own
-    own = sources(found, camera, 0)["ours, dng"]().own
-    assert np.array_equal(own, ours(renders, told).images)
-    drawn, drawer = upi(renders, told), Upi(told, gains="graphics2raw")
-    for number, (image, dark) in enumerate(zip(drawn.images, drawn.own, strict=True)):
-        gain = drawer.draw(number).digital_gain
-        low = (image.max(axis=2) < 0.3) & (image.min(axis=2) > 1e-3)
-        assert np.allclose(dark[low], gain * image[low], rtol=0.02)
-
-
-def test_own_exposure_changes_upi_and_not_real(small, camera):
+def test_each_source_teaches_at_its_own_exposure(small, camera):
     """A learner that tells how bright its lesson is, and denoises nothing."""
     seen = {}
 
@@ -104,16 +86,18 @@ def test_own_exposure_changes_upi_and_not_real(small, camera):
         seen[lesson.name] = float(lesson.clean.mean())
         return lambda planes: planes
 
-    draw = Draw(small, camera, "quick", 0)
-    frames = made(small, camera)
-    asked = {name: frames[name] for name in ("real", "upi, graphics2raw")}
+    frames = made(small, camera)["real"]()
+    dark = replace(frames, images=[image / 4 for image in frames.images])
+    asked = {"real": lambda: frames, "dark": lambda: dark}
     tests = {"world": study.test_frames(small, camera, "quick")}
+    draw = Draw(small, camera, "quick", 0)
     found = study.denoising_draw(draw, asked, tests, learner)["world"]
-    name = NAMES[0]
-    assert found[name]["real"] == found[name + OWN]["real"]
-    told = f"sony-a7s-ii, {name}{{}}, upi, graphics2raw, draw 0"
-    assert seen[told.format(OWN)] < 0.95 * seen[told.format("")]
-    assert not any("real" in each and OWN in each for each in seen)
+    told = f"sony-a7s-ii, {NAMES[0]}, {{}}, draw 0"
+    assert seen[told.format("dark")] == pytest.approx(
+        seen[told.format("real")] / 4, rel=0.02
+    )
+    # The test frames are as bright for all.
+    assert found[NAMES[0]]["dark"] == found[NAMES[0]]["real"]
 
 
 @pytest.mark.slow
@@ -126,7 +110,7 @@ def test_a_run_has_each_condition_draw_and_frame(small, camera):
         found = study.denoising_draw(draw, made(small, camera, seed), tests)
         entry = appended(entry, found["world"])
         judged = appended(judged, found["judge"])
-    assert list(entry) == [*NAMES, NAMES[0] + OWN, NAMES[1] + OWN]
+    assert list(entry) == list(NAMES)
     for of_world, of_judge in zip(entry.values(), judged.values(), strict=True):
         for source, measures in of_world.items():
             assert list(measures) == ["psnr", "ssim"], source
@@ -134,26 +118,33 @@ def test_a_run_has_each_condition_draw_and_frame(small, camera):
             # The first test frames are the same, and so are their scores.
             for name, values in of_judge[source].items():
                 assert np.array_equal(np.array(measures[name])[:, :2], values)
-    text = denoising_tables({"sony-a7s-ii": entry})
-    assert text.count("| ours, dng - upi, camera |") == 2
-    for title in ("PSNR, dB", "SSIM"):
-        assert f"| {title}; sony-a7s-ii | {' | '.join(entry)} |" in text
+    text = night_tables({"sony-a7s-ii": reduced(entry)}, "Denoising")
+    assert text.count("| ours, match - upi, match |") == 2
+    for name in NAMES:
+        assert f"| {name} | sony-a7s-ii |" in text
+    psnr = entry[NAMES[0]]
+    gain = np.mean(psnr["ours, match"]["psnr"]) - np.mean(psnr["real"]["psnr"])
+    assert f"| ours, match - real | {gain:+.2f} (" in text
 
 
 def test_unets_are_trained_on_what_the_protocol_names(small, camera, tmp_path):
     pytest.importorskip("torch", reason="PyTorch is not installed")
     few = replace(
-        small.protocol.unet, width=4, levels=2, steps={"quick": 4}, every=2, batch=2
+        small.protocol.denoising_unet,
+        width=4,
+        levels=2,
+        steps={"quick": 4},
+        every=2,
+        batch=2,
     )
-    world = replace(small, protocol=replace(small.protocol, unet=few))
+    world = replace(small, protocol=replace(small.protocol, denoising_unet=few))
     tests = {"world": study.test_frames(small, camera, "quick")}
     draw = Draw(world, camera, "quick", 0, tmp_path)
     found = study.unet_draw(draw, made(small, camera), tests)["world"]
     (iso,), (brightness,) = few.isos, few.brightness
     name = f"ISO {iso:g}, brightness {brightness:g}"
-    assert list(found) == [name, name + OWN]
+    assert list(found) == [name]
     for of_sources in found.values():
         assert list(of_sources) == list(few.sources)
-    # A network for each source; in own exposure others than the camera's once more.
-    assert len(list((tmp_path / "unet").glob("*.pt"))) == 6
+    assert len(list((tmp_path / "unet").glob("*.pt"))) == len(few.sources)
     assert study.unet_draw(draw, made(small, camera), tests)["world"] == found

@@ -8,11 +8,16 @@ import numpy as np
 import pytest
 
 from studies.results import appended
+from studies.sources.exposures import by_exposure
 from studies.sources.frames import Frames
-from studies.sources.sets import Draw, material, sources
+from studies.sources.ours import ours
+from studies.sources.real import real
+from studies.sources.sets import Draw, material
 from studies.sources.upi import upi
-from studies.tables_isp import isp_tables
+from studies.summaries import reduced
+from studies.tables_night import night_tables
 from studies.tasks import isp as study
+from studies.world.shots import night_shots
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +28,7 @@ def camera(camera_of):
 @pytest.fixture(scope="module")
 def small(world):
     """The world with few frames and features."""
-    few = {"frames": {"quick": 10}, "tests": {"quick": 4}}
+    few = {"frames": {"quick": 10}, "tests": {"quick": 4}, "samples": {"quick": 3000}}
     rules = replace(world.protocol.isp, **few, features=60, step=4)
     return replace(world, protocol=replace(world.protocol, isp=rules))
 
@@ -39,31 +44,92 @@ def test_the_tone_curve_rises_and_white_is_white():
 
 
 def test_frames_are_developed_by_their_own_matrices(small, camera):
-    """A render comes back from UPI's RAW by UPI's matrix, and not by the camera's."""
+    """A render comes back from UPI's RAW by UPI's matrix, and not by the camera's; the
+    goal XYZ is the render itself, whoever makes RAW of it."""
     rules = replace(small.protocol.isp, step=1)
     render = np.random.default_rng(1).uniform(0.05, 0.6, (24, 32, 3)).astype(np.float32)
     made = upi([render], camera.sensor, "published", seed=1)
-    goal = study.toned(study.scaled(render))
-    own = study.pairs(made, camera.sensor, rules).pictures[0]
+    own = study.pairs(made, camera.sensor, rules).pictures
     others = Frames(made.images, made.neutrals)
-    wrong = study.pairs(others, camera.sensor, rules).pictures[0]
+    wrong = study.pairs(others, camera.sensor, rules).pictures
+    assert list(own) == list(study.GOALS) and list(wrong) == [study.CAMERA]
     dull = (render > 0.1).all(axis=2) & (render < 0.4).all(axis=2)
-    assert np.abs(own - goal)[dull].max() < 0.02
-    assert np.abs(wrong - goal)[dull].mean() > 3 * np.abs(own - goal)[dull].mean()
+    near, far = (
+        np.abs(found[study.CAMERA][0] - own[study.XYZ][0])[dull]
+        for found in (own, wrong)
+    )
+    assert near.max() < 0.02 and far.mean() > 3 * near.mean()
 
 
-def test_a_draw_has_each_source_measure_and_frame(small, camera):
+def test_the_goal_of_spectra_knows_no_camera(small, camera_of):
+    """Two cameras that see one scene have one goal, but for its scale."""
+    shots = night_shots(small, "test", small.protocol.isp.first, 3)
+    found = []
+    for name in ("sony-a7s-ii", "nikon-d850"):
+        frames = real(shots, camera_of(name).sensitivities)
+        found.append([scene / np.median(scene) for scene in frames.scenes])
+    for one, other in zip(*found, strict=True):
+        assert one == pytest.approx(other, rel=1e-3, abs=1e-4)
+
+
+def test_a_clipped_render_is_white_to_the_learner(small, camera):
+    """Half of the frame is clipped: it is as bright as its white in input and goal."""
+    image = np.full((8, 8, 3), 0.25, np.float32)
+    image[4:] = 8.0
+    rules = replace(small.protocol.isp, step=1)
+    made = ours([image], camera.sensor, lights=["D50"])
+    shown = study.pairs(made, camera.sensor, rules)
+    assert shown.inputs[0, 4:] == pytest.approx(1.0, abs=1e-3)
+    assert shown.inputs[0, :4] == pytest.approx(0.5, abs=0.02)
+    for pictures in shown.pictures.values():
+        assert pictures[0, 4:] == pytest.approx(1.0, abs=1e-3)
+
+
+def drawn(small, camera, seed, learner=None):
+    """Return the entry of a draw of 10 frames, and of the sources that it had."""
+    found = material(small, camera, "night", small.protocol.seeds, 10, seed)
+    made = by_exposure(found, camera, seed)
+    black = [image * np.float32(0.0) for image in found.captures.images]
+    unlit = replace(found.captures, images=black)
+    few = ("real", "real, other scenes", "ours, match", "upi, match")
+    arms = {name: made[name] for name in few} | {"unlit": lambda: unlit}
+    tests = {"world": study.test_frames(small, camera, "quick")}
+    draw = Draw(small, camera, "quick", seed)
+    return study.isp_draw(draw, arms, tests, learner)["world"]
+
+
+def test_a_draw_has_each_goal_source_measure_and_frame(small, camera):
+    """Captures that are black at the exposure of their source teach nothing."""
     entry = {}
-    tests = study.test_frames(small, camera, "quick")
     for seed in (0, 1):
-        found = material(small, camera, "night", small.protocol.seeds, 10, seed)
-        made = sources(found, camera, seed)
-        draw = Draw(small, camera, "quick", seed)
-        errors = study.isp_draw(draw, made, {"world": tests})["world"]
-        entry = appended(entry, errors)
-    shapes = {m: np.shape(v) for m, v in entry["real"].items()}
-    assert shapes == {"difference": (2, 4), "psnr": (2, 4)}
-    mean = {s: np.mean(e["difference"]) for s, e in entry.items()}
-    assert mean["ours, dng"] < 0.8 * mean["upi, camera"]
-    text = isp_tables({"sony-a7s-ii": entry})
-    assert "| ours, dng - upi, camera |" in text
+        entry = appended(entry, drawn(small, camera, seed))
+    assert list(entry) == list(study.GOALS)
+    for of_sources in entry.values():
+        shapes = {m: np.shape(v) for m, v in of_sources["real"].items()}
+        assert shapes == dict.fromkeys(("difference", "psnr", "ssim"), (2, 4))
+        mean = {s: np.mean(e["difference"]) for s, e in of_sources.items()}
+        assert mean["unlit"] > 3 * mean["real"]
+    matrices = entry[study.CAMERA]
+    ours_, upis = (
+        np.mean(matrices[f"{of}, match"]["difference"]) for of in ("ours", "upi")
+    )
+    assert ours_ < 0.8 * upis
+    text = night_tables({"sony-a7s-ii": reduced(entry)}, "Neural ISP")
+    assert text.count("| ours, match - upi, match |") == 2
+    real_, own = (
+        np.mean(entry[study.XYZ][source]["difference"])
+        for source in ("real", "ours, match")
+    )
+    assert f"| ours, match - real | {own - real_:+.2f} (" in text
+
+
+@pytest.mark.slow
+def test_a_unet_learns_both_goals(small, camera, tmp_path):
+    pytest.importorskip("torch")
+    rules = replace(small.protocol.isp_unet, steps={"quick": 60}, size=16, width=8)
+    learner = study.unet_learner(rules, small.protocol.isp, "quick", tmp_path)
+    found = drawn(small, camera, 0, learner)
+    for of_sources in found.values():
+        mean = {s: np.mean(e["difference"]) for s, e in of_sources.items()}
+        assert mean["real"] < 0.5 * mean["unlit"]
+    assert len(list(tmp_path.glob("*.pt"))) == 5

@@ -37,7 +37,9 @@ def test_the_error_is_that_of_seeds_and_of_frames():
 def test_chance_hardly_ever_beats():
     rng = np.random.default_rng(3)
     beats = [
-        difference(rng.normal(0, 1, (10, 1)) + rng.normal(0, 1, (10, 50)), 0).beats
+        difference(
+            rng.normal(0, 1, (10, 1)) + rng.normal(0, 1, (10, 50)), np.zeros((10, 50))
+        ).beats
         for _ in range(500)
     ]
     assert np.mean(beats) < 0.03

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies.world.colorimetry import albedos, light_colours
-from studies.world.colouring import rendered, seen
+from studies.world.colorimetry import albedos, d65, light_colours, observer
+from studies.world.colouring import observed, rendered, seen
 from studies.world.exposure import exposed
+from studies.world.scene import Shot
 from studies.world.shots import day_shots, night_shots
 
 COLOURINGS = ("spectra", "render")
@@ -44,6 +45,27 @@ def test_a_pixel_is_the_integral_of_its_spectrum(shots, sensitivities):
                 )
             )
             assert image[at] == pytest.approx(spectrum @ sensitivities, rel=1e-5)
+
+
+def test_an_observer_sees_the_main_light_as_white(shots):
+    """A grey that it alone lights is as bright as it reflects, whatever the light."""
+    for shot in shots:
+        grey = np.full_like(shot.scene.materials, 0.5)
+        lights = np.broadcast_to(shot.lights[0], shot.lights.shape)
+        image = observed(Shot(replace(shot.scene, materials=grey), lights))
+        xyz = seen(Shot(replace(shot.scene, materials=grey), lights), observer())
+        assert image == pytest.approx(xyz[..., 1:2] * np.ones(3), rel=1e-4, abs=1e-6)
+
+
+def test_colours_under_d65_are_those_of_the_cie(shots):
+    """Under D65 itself nothing is adapted: XYZ to Rec. 709."""
+    import colour
+
+    under = np.broadcast_to(d65(), shots[0].lights.shape)
+    shot = Shot(shots[0].scene, under)
+    xyz = seen(shot, observer())
+    wanted = colour.XYZ_to_RGB(xyz, "sRGB")
+    assert observed(shot) == pytest.approx(wanted, abs=2e-3 * wanted.max())
 
 
 def test_a_render_multiplies_triples(shots):

@@ -11,7 +11,13 @@ from studies.cameras import CARDS, FILES, NUS, grey_cards
 from studies.protocol import PROTOCOL
 from studies.world.colorimetry import light_colours, observer
 from studies.world.lights import FAMILIES, mccamy, on_grid
-from studies.world.shots import card_lights, card_weights, load_world, second_light
+from studies.world.shots import (
+    card_lights,
+    card_weights,
+    lit_by,
+    load_world,
+    second_light,
+)
 
 
 @pytest.mark.parametrize(
@@ -116,3 +122,26 @@ def test_the_main_light_is_white_to_a_renderer(world):
 
 def test_the_world_is_the_same_each_time():
     assert load_world(None).hashes() == load_world(None).hashes()
+
+
+def test_leds_are_in_both_halves_and_can_be_held_out(world):
+    """Of both sets of lamps more than a tenth are LEDs; no other light is."""
+    for pool in world.lights.values():
+        lamp = pool.family == FAMILIES.index("lamp")
+        assert not pool.led[~lamp].any() and 0.1 < pool.led[lamp].mean() < 0.9
+    without, alone = lit_by(world, leds=False), lit_by(world, leds=True)
+    for half, pool in world.lights.items():
+        kept, leds = without.lights[half].powers, alone.lights[half].powers
+        assert len(kept) + len(leds) == len(pool.powers) and len(leds) > 0
+        assert not (kept[:, None] == leds[None]).all(axis=2).any()
+
+
+def test_phosphors_and_mixtures_of_colours_are_leds(world):
+    """CIE's LED-B3 is one; its fluorescent FL11 and its HP1 are none."""
+    whole = [np.concatenate([p.powers for p in world.lights.values()])]
+    led = np.concatenate([pool.led for pool in world.lights.values()])
+    for name, expected in (("LED-B3", True), ("FL11", False), ("HP1", False)):
+        power = illuminant_spectrum(name)
+        power = power / (power @ observer()[:, 1])
+        found = np.abs(whole[0] - power).max(axis=1).argmin()
+        assert led[found] == expected, name
