@@ -2,9 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """Plant small faults in the Python package, one at a time; list those no test sees.
 
-A fault meets the tests that run its line, then the rest of their files, in a scratch
-copy of the package: the tree stays as it is. Which tests run which lines is measured
-once and kept in build/mutants, with the verdicts: a second call goes on from there.
+A fault meets the tests that run its line, in a scratch copy of the package: the tree
+stays as it is. Which tests run which lines is measured once and kept in build/mutants,
+with the verdicts: a second call goes on from there. What runs only in a process that a
+signal ends is not measured.
 """
 
 import argparse
@@ -25,6 +26,8 @@ import time
 from collections import defaultdict
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = Path(os.environ.get("CG2RAW_BUILD", ROOT / "build/system"))
 KEPT = ROOT / "build/mutants"
@@ -42,12 +45,28 @@ disable_warnings = no-data-collected,module-not-measured,couldnt-parse
 """
 
 
-# As a plugin of pytest: each test is a context, also of the processes that it starts.
+# As a plugin of pytest: each test is a context, also of the processes that it starts; a
+# fixture that tests share is run for all of their file, FILE::
 def pytest_runtest_logstart(nodeid):
-    import coverage
+    run_for(nodeid)
 
-    os.environ[TEST] = nodeid
-    coverage.Coverage.current().switch_context(nodeid)
+
+@pytest.hookimpl(wrapper=True)
+def pytest_fixture_setup(fixturedef):
+    test = os.environ[TEST]
+    if fixturedef.scope != "function":
+        run_for(test.partition("::")[0] + "::")
+    try:
+        return (yield)
+    finally:
+        run_for(test)
+
+
+def run_for(context: str) -> None:
+    from coverage import Coverage
+
+    os.environ[TEST] = context
+    Coverage.current().switch_context(context)
 
 
 def pytest_runtest_logreport(report):
@@ -91,10 +110,11 @@ class Scratch:
             "OPENBLAS_NUM_THREADS": "1",
             **variables,
         }
+        tests = self.folder / "tests"
         measured = ["-m", "coverage", "run", f"--rcfile={self.folder / 'rc'}"]
         command = [sys.executable, *(measured if coverage else []), "-m", "pytest"]
         with subprocess.Popen(
-            [*command, "-q", "--no-header", "--tb=no", *words],
+            [*command, "-q", "--no-header", "--tb=no", f"--basetemp={tests}", *words],
             cwd=ROOT,
             env=environment,
             text=True,
@@ -142,7 +162,8 @@ class Scratch:
                 for path in data.measured_files():
                     source = Path(path).relative_to(self.package).as_posix()
                     for line, contexts in data.contexts_by_lineno(path).items():
-                        for test in tests.keys() & set(contexts):
+                        shared = f"{test_file}::" in contexts
+                        for test in tests if shared else tests.keys() & set(contexts):
                             lines[source][test].add(line)
             file.unlink()
         return {
@@ -187,54 +208,37 @@ class Coverage:
         return record["digests"] == self.digests_of(scratch, test_file, record)
 
     def tests_of(self, source: str, lines: range | None) -> list[str]:
-        """Return the tests that run some of the lines; None: any line of the source."""
-        tests = self.lines[source.partition("/")[2]]
-        return [
-            test
-            for test, those in tests.items()
-            if lines is None or any(line in lines for line in those)
-        ]
-
-    def in_order(self, tests) -> list[str]:
-        """Return tests, file after file, what is quick first."""
+        """Return the tests that run some of the lines, quick files first; None: any
+        line of the source."""
         files: dict[str, list[str]] = defaultdict(list)
-        for test in tests:
-            files[test.partition("::")[0]].append(test)
+        for test, those in self.lines[source.partition("/")[2]].items():
+            if lines is None or any(line in lines for line in those):
+                files[test.partition("::")[0]].append(test)
         cost = {file: sum(map(self.seconds.get, some)) for file, some in files.items()}
         return [test for file in sorted(files, key=cost.get) for test in files[file]]
 
-    def stages(self, source: str, lines: range | None) -> list[list[str]]:
-        """Return the tests of a line, then all others of their files.
 
-        A fixture or a cached function of the tests runs a line for the first test that
-        needs it, and another one may be the one that looks at the result."""
-        first = self.tests_of(source, lines)
-        files = {test.partition("::")[0] for test in first}
-        rest = {test for test in self.seconds if test.partition("::")[0] in files}
-        return [self.in_order(first), self.in_order(rest - set(first))]
+def judge(scratch: Scratch, path: str, mutation, tests: list[str], seconds) -> str:
+    """Return what became of a fault: "survived", or what saw it.
 
-
-def judge(scratch: Scratch, coverage: Coverage, path: str, mutation) -> str:
-    """Return what became of a fault: "survived", or what saw it."""
+    seconds : what the tests take without it."""
     source = source_of(path)
     copy = scratch.copy_of(path)
     for compiled in copy.parent.glob(f"__pycache__/{copy.stem}.*"):
         compiled.unlink()
+    words = scratch.folder / "words"
+    words.write_text("\n".join(tests))
     copy.write_bytes(mutation.apply(source))
     try:
-        for tests in filter(None, coverage.stages(path, mutation.lines)):
-            words = scratch.folder / "words"
-            words.write_text("\n".join(tests))
-            seconds = START + 5 * sum(map(coverage.seconds.get, tests))
-            code, output = scratch.pytest(["-x", f"@{words}"], seconds)
-            if code is None:
-                return "time limit"
-            if code:
-                seen = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", output, re.M)
-                return seen[1] if seen else f"exit code {code}"
+        code, output = scratch.pytest(["-x", f"@{words}"], START + 5 * seconds)
     finally:
         copy.write_bytes(source)
-    return "survived"
+    if code is None:
+        return "time limit"
+    if code == 0:
+        return "survived"
+    seen = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", output, re.M)
+    return seen[1] if seen else f"exit code {code}"
 
 
 def source_of(path: str) -> bytes:
@@ -314,16 +318,17 @@ def verdicts(scratch: Scratch, coverage: Coverage, faults, folder: Path, track):
     with open(kept, "a") as log:
         for path, mutation in track(faults, "faults planted"):
             seen = digest(source_of(path), repr(mutation).encode())
-            tests = sum(coverage.stages(path, mutation.lines), [])
+            tests = coverage.tests_of(path, mutation.lines)
             files = sorted({test.partition("::")[0] for test in tests})
             state = json.dumps([tests, [coverage.digests[file] for file in files]])
             missed = digest(seen.encode(), state.encode())
             verdict = known.get(seen) or known.get(missed)
             if verdict is None:
                 began = time.monotonic()
-                verdict = (
-                    judge(scratch, coverage, path, mutation) if tests else "no test"
-                )
+                verdict = "no test"
+                if tests:
+                    seconds = sum(map(coverage.seconds.get, tests))
+                    verdict = judge(scratch, path, mutation, tests, seconds)
                 key = missed if verdict in ("survived", "no test") else seen
                 took = round(time.monotonic() - began, 1)
                 print(json.dumps([key, verdict]), file=log, flush=True)

@@ -8,11 +8,13 @@ import re
 import resource
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
 from cg2raw.dataset import journal
 from cg2raw.dataset.run import make_dataset
+from cg2raw.dataset.target import is_of
 from dataset.data_sets import (
     FILES,
     OPTIONS,
@@ -343,3 +345,12 @@ def test_noise_by_the_place_among_the_images(tmp_path):
     assert run("dataset", *words).code == 0
     assert len({row["frame"] for row in rows(again)}) == 4
     check_agreement(again)
+
+
+@pytest.mark.parametrize(
+    ("size", "modified", "same"),
+    [(7, 5, True), (8, 5, False), (7, 6, False), (8, 6, False), (None, None, False)],
+)
+def test_a_header_is_of_a_file_of_its_size_and_time(size, modified, same):
+    status = SimpleNamespace(st_size=7, st_mtime_ns=5)
+    assert is_of({"bytes": size, "modified": modified}, status) is same

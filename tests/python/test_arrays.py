@@ -199,3 +199,13 @@ def test_other_threads_run_during_a_call(sensor, name):
         stop.set()
         thread.join()
     assert most >= 4
+
+
+@pytest.mark.parametrize("shape", [(8,), (8, 8, 1), (8, 8, 3)])
+def test_a_signal_that_is_no_mosaic_is_one_error(sensor, shape):
+    def noisy(signal):
+        return sensor.add_noise(signal, iso=800)
+
+    for call in (sensor.raw_from_signal, sensor.demosaic, noisy):
+        with pytest.raises(ValueError, match=r"signal must have the shape \(H, W\)"):
+            call(np.zeros(shape, np.float32))

@@ -57,3 +57,14 @@ def test_an_error_is_still_the_exit_code(folder, closed):
     assert error == ("" if 2 in closed else "cg2raw convert: none.exr: No such file or "
                      "directory\n")  # fmt: skip
     assert not (folder / "a.dng").exists()
+
+
+def test_what_a_command_starts_has_standard_streams_too(tmp_path):
+    program = (
+        "import os, sys; from cg2raw.__main__ import open_standard_streams as opened;"
+        "opened(); said = [os.get_inheritable(number) for number in range(3)];"
+        "open(sys.argv[1], 'w').write(str(said))"
+    )
+    words = ["sh", "-c", 'exec "$0" -c "$1" "$2" <&- >&- 2>&-', sys.executable]
+    subprocess.run([*words, program, tmp_path / "said"], check=True)
+    assert (tmp_path / "said").read_text() == "[True, True, True]"

@@ -63,3 +63,13 @@ def test_the_name_of_the_input_counts_where_the_output_has_no_number(exr, tmp_pa
         done = commands.run("convert", shot, "-o", tmp_path / name, *BASE, "--json")
         (file,) = json.loads(done.out)["files"]
         assert file["frame"] == number
+
+
+def test_two_inputs_of_one_number_are_one_error(exr, tmp_path):
+    inputs = []
+    for folder in ("left", "right"):
+        (tmp_path / folder).mkdir()
+        inputs.append(shutil.copy(exr, tmp_path / folder / "shot.0007.exr"))
+    said = commands.fails("convert", *inputs, "-o", tmp_path / "s.####.dng", *BASE)
+    assert f"{inputs[1]}: would become {tmp_path / 's.0007.dng'}, as" in said
+    assert not list(tmp_path.glob("*.dng"))

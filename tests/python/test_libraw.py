@@ -43,14 +43,16 @@ def test_a_known_camera_is_found_again(tmp_path, cfa):
 
 @pytest.mark.parametrize("top", [0, 1, 2, 13])
 @pytest.mark.parametrize("left", [0, 1, 26])
-def test_the_phase_is_that_of_the_visible_corner(top, left):
-    frame = np.tile([[0, 1], [3, 2]], (20, 20))
+@pytest.mark.parametrize("side", [2, 6])
+def test_the_phase_is_that_of_the_visible_corner(top, left, side):
+    repeat = [[0, 1], [3, 2]] if side == 2 else np.arange(36).reshape(6, 6)
+    frame = np.tile(repeat, (20, 20))
     raw = SimpleNamespace(
-        raw_pattern=frame[:2, :2],
+        raw_pattern=frame[:side, :side],
         sizes=SimpleNamespace(top_margin=top, left_margin=left),
         raw_color=lambda row, column: frame[row, column],  # rawpy: of the full frame
     )
-    corner = frame[top : top + 2, left : left + 2]
+    corner = frame[top : top + side, left : left + side]
     assert libraw.corner_of(raw) == corner.ravel().tolist()
 
 

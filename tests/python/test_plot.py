@@ -88,6 +88,9 @@ def test_the_ellipses_are_those_of_the_covariance():
         offsets = line.get_xydata() - mean
         distance = np.einsum("ni,ij,nj->n", offsets, np.linalg.inv(covariance), offsets)
         np.testing.assert_allclose(distance, sigmas**2, rtol=1e-6)
+        assert offsets[-1] == pytest.approx(offsets[0])  # all the way round
+        reach = sigmas * np.sqrt(np.diag(covariance))
+        assert np.abs(offsets).max(axis=0) == pytest.approx(reach, rel=1e-3)
     assert len(dashed) == 3
 
 

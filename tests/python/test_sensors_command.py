@@ -4,7 +4,9 @@
 
 import io
 import json
+import re
 
+import numpy as np
 import pytest
 from rich.console import Console
 
@@ -245,3 +247,28 @@ def test_names_in_brackets_are_names(shelf):
     found = json.loads(run("sensors", "odd", "--json").out)
     [line] = [text for text in rendered([found], 200) if text.startswith("odd ")]
     assert "Camera [bold] X" in line
+
+
+@pytest.mark.parametrize(
+    ("encoding", "places"),
+    [
+        ("ascii", "_.:-=+*#"),
+        ("utf-8", "".join(map(chr, range(0x2581, 0x2589)))),
+    ],
+)
+def test_a_curve_is_a_character_for_every_10_nm(encoding, places):
+    """Its eighth of the height; what is beyond 0 and 1 is drawn there."""
+    wavelengths = np.arange(400, 471, 5.0)
+    heights = np.array([0, 1, 2, 4, 7, 5, 3.6, 0]) / 7
+    values = np.interp(wavelengths, wavelengths[::2], heights)
+    values[0], values[8] = -0.2, 1.3
+    line = sensor_text.curve_line(wavelengths, values, encoding)
+    assert [places.index(one) for one in line] == [0, 1, 2, 4, 7, 5, 4, 0]
+
+
+def test_colour_matrices_are_numbered_as_the_fields_of_a_profile():
+    shown = run("sensors", "nikon-d40").out
+    for number, light in ((1, "A"), (2, "D65")):
+        assert re.search(rf"calibration_illuminant_{number} +{light}\b", shown)
+        assert f"color_matrix_{number} " in shown
+    assert "_3" not in shown
