@@ -24,6 +24,7 @@ STUDIES = (
     "classical",
     "colour",
     "illuminant",
+    "light_draws",
     "denoising",
     "denoising_unet",
     "isp",

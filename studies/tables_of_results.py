@@ -59,13 +59,13 @@ def more_tables(results: Summaries) -> Iterator[tuple[str, str]]:
     studies = ("illuminant", "light_draws", "longer")
     once, drawn, longer = (ready(results, study) for study in studies)
     if drawn:
-        yield "illuminant", illuminant_tables(drawn, DRAWN, "How lights are drawn")
+        yield "light_draws", illuminant_tables(drawn, DRAWN, "How lights are drawn")
     by_light, held_out = (
         {of: found for of in LIGHTS if (found := ready(results, f"{study}, {of}"))}
         for study in ("light_draws", "held_out_leds")
     )
     if by_light:
-        yield "illuminant", light_tables(by_light, held_out)
+        yield "light_draws", light_tables(by_light, held_out)
     if once and longer:
         yield "illuminant", longer_tables(once, longer)
 
