@@ -259,3 +259,12 @@ def test_noise_of_the_paper_falls_on_white_too():
     run = {"illuminant": "A", "iso": 3200, "seed": 3, "convention": "paper"}
     seen = sensor_of().signal(flat(2.0), **run)
     assert 0.3 < (seen < 1.0).mean() < 0.7
+
+
+def test_noise_begins_just_below_the_signal_that_is_clipped():
+    """At 0.99999, the bound, a site stays; at the number before it, it does not."""
+    bound = np.float32(0.99999)
+    sensor = cg2raw.Sensor("canon-5d-mark-iv")
+    for level, stays in ((bound, True), (np.nextafter(bound, np.float32(0)), False)):
+        flat = np.full((8, 8), level, np.float32)
+        assert np.array_equal(sensor.add_noise(flat, iso=800), flat) == stays
