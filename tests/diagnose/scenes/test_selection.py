@@ -81,6 +81,8 @@ def test_what_fixed_patterns_leave_in_all_frames_is_no_name():
         plain = [replace(one, shared=0.0) for one in grams]
         false += any(name != "two" for name in chosen(plain).names)
         strong.append(chosen(grams).names)
+        huge = [replace(one, shared=shared) for one in pair([0, 1e3, 0, 0], seed)]
+        assert 1e6 < chosen(huge).nats["two"] < np.inf
     assert false > 30
     assert strong == [["two"]] * 40
 

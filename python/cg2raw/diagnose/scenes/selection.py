@@ -20,6 +20,7 @@ from scipy.stats import chi2
 from cg2raw.diagnose.scenes.gram import Array, Gram, Space
 
 Names = frozenset[str]
+FAR = 1000.0  # chi-square, whose chance is then below 1e-200
 
 
 @dataclass(frozen=True)
@@ -148,8 +149,17 @@ def _fitted(gram: Gram, space: Space, names: Names) -> tuple[Array, float]:
     for name in sorted(space.slices.keys() - names):
         at = np.ix_(own := space.index([name]), own)
         known = pulled.information[at] - gram.information[at]
-        chance += float(chi2.logsf(theta[own] @ known @ theta[own], len(own)))
+        chance += _log_chance(float(theta[own] @ known @ theta[own]), len(own))
     return theta, chance
+
+
+def _log_chance(square: float, freedom: int) -> float:
+    """Return the logarithm of the chance that chi-square is as large; where a float
+    does not hold that, by the first term of its series."""
+    if square < FAR:
+        return float(chi2.logsf(square, freedom))
+    half = square / 2
+    return (freedom / 2 - 1) * math.log(half) - half - math.lgamma(freedom / 2)
 
 
 def limits(
