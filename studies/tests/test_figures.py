@@ -180,7 +180,7 @@ def test_scenes_are_as_the_camera_and_as_a_renderer_has_them(small, camera):
         assert seen.shape == made.shape == (4, 96, 128, 3)
         apart = np.abs(seen - made).mean(axis=(1, 2, 3))
         others = np.abs(seen - made[::-1]).mean(axis=(1, 2, 3))
-        assert (apart < 0.08).all() and (others > apart).all()
+        assert (2 * apart < others).all()
 
 
 def test_examples_are_nearer_to_the_goal_than_their_input(small, camera):
