@@ -84,7 +84,7 @@ def test_what_fixed_patterns_leave_in_all_frames_is_no_name():
         huge = [replace(one, shared=shared) for one in pair([0, 1e3, 0, 0], seed)]
         assert 1e6 < chosen(huge).nats["two"] < np.inf
     assert false > 30
-    assert strong == [["two"]] * 40
+    assert strong.count(["two"]) >= 38
 
 
 def test_a_limit_is_the_strength_that_is_found_half_of_the_time():

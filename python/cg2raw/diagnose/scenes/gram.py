@@ -86,18 +86,18 @@ class Gram:
         information[index, index] += deviations**-2.0
         return replace(self, information=information)
 
-    def with_patterns(self, space: Space, names: Iterable[str]) -> "Gram":
-        """Return that of parameters of which those of some effects are known to be no
-        larger than what fixed patterns make of them in all frames alike."""
+    def with_patterns(self, space: Space, name: str) -> "Gram | None":
+        """Return that of parameters of which those of an effect are known to be no
+        larger than what fixed patterns make of them in all frames alike; None where
+        there are no patterns."""
         if np.ndim(self.shared) == 0:
-            return self
+            return None
         information = self.information.copy()
-        for name in names:
-            at = np.ix_(index := space.index([name]), index)
-            own = self.information[at]
-            # Views that are alike have the same of it: their scores add, not variances.
-            score = self.views * np.asarray(self.shared)[at] + LEAST_SHARED * own
-            information[at] += own @ _solved(score, own)
+        at = np.ix_(index := space.index([name]), index)
+        own = self.information[at]
+        # Views that are alike have the same of it: their scores add, not variances.
+        score = self.views * np.asarray(self.shared)[at] + LEAST_SHARED * own
+        information[at] += own @ _solved(score, own)
         return replace(self, information=information)
 
     def fit(self, index: NDArray[np.intp]) -> Array:

@@ -20,7 +20,7 @@ from scipy.stats import chi2
 from cg2raw.diagnose.scenes.gram import Array, Gram, Space
 
 Names = frozenset[str]
-FAR = 1000.0  # chi-square, whose chance is then below 1e-200
+UNDERFLOWS = 1000.0  # chi-square, whose chance is then below 1e-200
 
 
 @dataclass(frozen=True)
@@ -57,10 +57,25 @@ class Selection:
         self._score = cache(self._of)
 
     def _of(self, names: Names) -> float:
-        """Return what validation scenes gain. Effects that are not named may be as
-        large as fixed patterns make them in all scenes alike."""
-        fitted, chance = _fitted(self._train, self._space, names | self._known)
-        return self._validation.gain(fitted) + chance
+        fitted = self._train.fit(self._space.index(names | self._known))
+        return self._validation.gain(fitted)
+
+    def _beside_patterns(self, names: Names) -> dict[str, float]:
+        """Return what validation scenes lose without each name, if what fixed patterns
+        make of it in all scenes alike, and the chance of that, takes its place."""
+        lost = {}
+        index = self._space.index(names | self._known)
+        for name in sorted(names):
+            pulled = self._train.with_patterns(self._space, name)
+            if pulled is None:
+                lost[name] = self._score(names) - self._score(names - {name})
+                continue
+            theta = pulled.fit(index)
+            at = np.ix_(own := self._space.index([name]), own)
+            known = pulled.information[at] - self._train.information[at]
+            chance = _log_chance(float(theta[own] @ known @ theta[own]), len(own))
+            lost[name] = self._score(names) - self._validation.gain(theta) - chance
+        return lost
 
     def run(self, candidates: Collection[str], most: int) -> Chosen:
         """Return the effects chosen of some candidates, at most so many."""
@@ -68,6 +83,12 @@ class Selection:
         starts = [self._pruned(every), self._grown(every)]
         found = [self._exchanged(one, every) for one in starts]
         names = max(found, key=self._worth)
+        while names:
+            lost = self._beside_patterns(names)
+            least = min(sorted(names), key=lambda a: lost[a])
+            if lost[least] >= self.least:
+                break
+            names -= {least}
         while len(names) > most:
             names = max((names - {a} for a in sorted(names)), key=score)
         nats = {a: score(names) - score(names - {a}) for a in sorted(names)}
@@ -122,8 +143,7 @@ class Selection:
         both = self._train + self._validation
 
         def score(some: Names) -> float:
-            fitted, chance = _fitted(both, self._space, some | self._known)
-            return both.gain(fitted) + chance
+            return both.gain(both.fit(self._space.index(some | self._known)))
 
         free = sorted(every - names)
         found: dict[str, list[tuple[str, ...]]] = {}
@@ -139,24 +159,10 @@ class Selection:
         return found
 
 
-def _fitted(gram: Gram, space: Space, names: Names) -> tuple[Array, float]:
-    """Return (P,) of most likelihood of some effects, and the logarithm of the chance
-    that fixed patterns make others as large as they are beside these."""
-    pulled = gram.with_patterns(space, sorted(space.slices.keys() - names))
-    if pulled is gram:
-        return gram.fit(space.index(names)), 0.0
-    theta, chance = pulled.fit(space.index(space.slices)), 0.0
-    for name in sorted(space.slices.keys() - names):
-        at = np.ix_(own := space.index([name]), own)
-        known = pulled.information[at] - gram.information[at]
-        chance += _log_chance(float(theta[own] @ known @ theta[own]), len(own))
-    return theta, chance
-
-
 def _log_chance(square: float, freedom: int) -> float:
     """Return the logarithm of the chance that chi-square is as large; where a float
     does not hold that, by the first term of its series."""
-    if square < FAR:
+    if square < UNDERFLOWS:
         return float(chi2.logsf(square, freedom))
     half = square / 2
     return (freedom / 2 - 1) * math.log(half) - half - math.lgamma(freedom / 2)
