@@ -290,7 +290,8 @@ def _recording(
     by_noise = law.of(by_noise**2, at) @ WEIGHTS
     # By a pixel's own noise: normal laws obey the equation of heat, d/dvariance of what
     # is expected of codes, or of their squares, is half its curvature.
-    more = offsets.charged * NODES * np.sqrt(fixed)
+    # Where codes end within reach, fits that have it stop short: it is left out there.
+    more = offsets.charged * law.inside * NODES * np.sqrt(fixed)
     bent = np.gradient(np.gradient(mean, law.grid), law.grid) / 2
     wider = np.gradient(np.gradient(variance, law.grid), law.grid) / 2 + by_noise
     # Where frames and places are.
