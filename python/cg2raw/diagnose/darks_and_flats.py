@@ -22,10 +22,10 @@ from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit
 from cg2raw.model.flat_levels import FlatLevels, flat_levels, level_gains
 from cg2raw.model.halves import Halves, halves_of, without_halves
+from cg2raw.model.lags import NAMES as SHARED
 from cg2raw.model.lags import lags_of
 from cg2raw.model.profile_values import (
     OF_EFFECTS,
-    OF_LAGS,
     profile_lags,
     profile_values,
 )
@@ -50,8 +50,7 @@ class DarksAndFlats:
     """names : best first. least : nats that a name needs. values : of all that the
     frames show, by training and validation frames together, of which both is the fit.
     statistics : of all splits, of the captures used. profile : (n,) parameters as the
-    profile has them; null_lags : of OF_LAGS likewise. mean_of : (H, W) DN mean image of
-    a group by its number.
+    profile has them. mean_of : (H, W) DN mean image of a group by its number.
     excluded : (H, W) samples that count in nothing.
     notes : sentences on what was left out. has_noise : whether the profile has."""
 
@@ -65,7 +64,6 @@ class DarksAndFlats:
     mean_of: Callable[[int], NDArray[np.float32]]
     excluded: NDArray[np.bool_] | None
     profile: Array
-    null_lags: Array
     used: Sequence[Capture]
     notes: Sequence[str]
     has_noise: bool
@@ -210,7 +208,6 @@ def darks_and_flats(
         mean_of,
         excluded,
         profile,
-        null,
         used,
         notes,
         has_noise,
@@ -279,7 +276,7 @@ def untested(sensor: Sensor) -> set[str]:
     """Return the effects that a profile states and darks and flats cannot test: it says
     a law or a shape, and a variance of what is not masked is what they measure."""
     stated = {entry["name"] for entry in sensor.effects or ()}
-    tested = {*OF_EFFECTS, *NOISE_TABLE, *dict(OF_LAGS), "black_level"}
+    tested = {*OF_EFFECTS, *NOISE_TABLE, *SHARED, "black_level"}
     return stated - tested | stated & {"dark_current_nonuniformity"}
 
 

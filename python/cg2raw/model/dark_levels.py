@@ -6,12 +6,13 @@ Each can stand for another, and would hide it if it were free: the set of names 
 chosen that needs fewest."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.model.components import FIXED
-from cg2raw.model.fit import Fit, Prior, refitted
+from cg2raw.model.fit import Fit, Prior, gain_of, refitted
 from cg2raw.model.smallest_set import gains_in_smallest_set
 from cg2raw.statistics.constant import PARTS, Array
 
@@ -63,18 +64,15 @@ class DarkLevels:
             return gains
         # Of darks at few codes one number tells level and noise: none gains more than
         # all that are named together, where noise is fitted from where it was.
-        most = self._whole(named) - self._whole([])
+        is_named = np.any([self.places[name] for name in named], axis=0)
+        trained = np.where(is_named, self.training.theta, self.profile)
+        most = gain_of(
+            np.any([*self.places.values()], axis=0),
+            replace(self.training, theta=trained),
+            self.validation,
+            self.profile,
+        )
         return {name: min(gain, most) for name, gain in gains.items()}
-
-    def _whole(self, names: Sequence[str]) -> float:
-        """Return the log-likelihood of validation frames of levels as trained, others
-        as the profile has them, all else fitted."""
-        free = np.isfinite(np.diagonal(self.validation.covariance))
-        start = self.validation.theta.copy()
-        for name, own in self.places.items():
-            free &= ~own
-            start[own] = (self.training.theta if name in names else self.profile)[own]
-        return refitted(self.validation.likelihood, start, free).value
 
     @property
     def unsure(self) -> dict[str, float]:

@@ -359,3 +359,22 @@ def _start_patterns(
     values = np.linalg.lstsq(design / scale, np.concatenate(rests), rcond=None)[0]
     theta[used] = np.maximum(values, 0.0) / scale
     theta[likelihood.parameters.of("dsnu and dark current")] = 0.0
+
+
+def gain_of(
+    own: NDArray[np.bool_],
+    training: Fit,
+    validation: Fit,
+    profile: Array,
+    prior: Prior | None = None,
+) -> float:
+    """Return the nats of parameters @own, (n,), as trained over those of a profile.
+
+    prior : of how far something else moves them from the profile's."""
+    free = np.isfinite(np.diagonal(validation.covariance)) & ~own
+    values = []
+    for pinned, known in ((training.theta, None), (profile, prior)):
+        start = np.where(own, pinned, validation.theta)
+        let = free if known is None else free | own
+        values.append(refitted(validation.likelihood, start, let, known).value)
+    return values[0] - values[1]

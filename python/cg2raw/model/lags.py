@@ -5,6 +5,7 @@
 Read noise is autoregressive of order 1 along a row of the mosaic. Noise reduction
 blends all noise with that of the four of its colour beside, and of the four across."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,7 +24,12 @@ from cg2raw.statistics.constant import (
     ConstantStatistics,
 )
 
-NAMES = {"read_noise_correlation": [0], "noise_reduction": [1, 2]}
+PARAMETERS = (  # of effects, in the order of values here
+    ("read_noise_correlation", "coefficient"),
+    ("noise_reduction", "blend"),
+    ("noise_reduction", "diagonal"),
+)
+NAMES = {"read_noise_correlation": [0], "noise_reduction": [1, 2]}  # their places
 LEAST_RELATIVE = 1e-4  # far below what variances are known to
 NOTHING: Array = np.zeros(3)
 ALONG = np.arange(-8, 9)  # px of a row, beyond which read noise has little in common
@@ -91,6 +97,12 @@ class Lags:
     def of_ratios(self, expected: Array | float) -> float:
         """Return the log-likelihood of the ratios, nats, but for a constant."""
         return -float((((self.ratios - expected) / self.errors) ** 2).sum()) / 2
+
+    def fitted_of(self, names: Collection[str]) -> tuple[Array, Array]:
+        """Return the likeliest values of some of NAMES and their covariance, as fitted;
+        others are as the profile has them."""
+        is_free = [name in names for name, _ in PARAMETERS]
+        return self.fitted(np.where(is_free, np.nan, self.null))
 
     def fitted(self, pinned: Array, *, by_ratios: bool = False) -> tuple[Array, Array]:
         """Return the likeliest values and their covariance, (3, 3). pinned : (3,), nan

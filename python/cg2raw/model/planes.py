@@ -113,8 +113,9 @@ class PlaneLikelihood:
     ) -> list[Recorder]:
         """Return that of each group. earlier : of the same groups at other offsets; one
         that holds at these stays."""
-        about = self._recorded_offsets()
-        if theta is not None:
+        if theta is None:
+            about = self._recorded_offsets()
+        else:
             about = np.vstack([self.offsets(theta)[0], self._charged(theta)])
         usual = self.scatter[self.measured, PIXEL].min(initial=np.inf)
         noise = np.where(self.measured, self.scatter[:, PIXEL], usual)

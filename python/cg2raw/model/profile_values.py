@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from cg2raw.model.evaluation import Parameters
-from cg2raw.model.lags import variance_left, variance_left_of_lines
+from cg2raw.model.lags import PARAMETERS, variance_left, variance_left_of_lines
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.constant import Array
 
@@ -41,11 +41,6 @@ OF_EFFECTS: Mapping[str, tuple[str, Callable[[Values, float], float]]] = {
 }
 
 
-OF_LAGS = (
-    ("read_noise_correlation", "coefficient"),
-    ("noise_reduction", "blend"),
-    ("noise_reduction", "diagonal"),
-)
 # What noise reduction lowers of pixels, and of rows and columns.
 PIXELS = ("read_noise", "gain", "dsnu", "dark_current_nonuniformity", "prnu")
 LINES = ("row_noise", "column_fixed_pattern")
@@ -88,7 +83,6 @@ def profile_values(sensor: Sensor, iso: float | None, parameters: Parameters) ->
 
 
 def profile_lags(sensor: Sensor) -> Array:
-    """Return what a profile has of noise that neighbours share: the coefficient of read
-    noise, and the blend and diagonal of noise reduction."""
+    """Return what a profile has of lags.PARAMETERS."""
     effects = {e["name"]: e["parameters"] for e in sensor.effects or ()}
-    return np.array([effects.get(name, {}).get(one, 0.0) for name, one in OF_LAGS])
+    return np.array([effects.get(name, {}).get(one, 0.0) for name, one in PARAMETERS])

@@ -11,10 +11,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cg2raw.model.dark_levels import LEVELS, DarkLevels
-from cg2raw.model.fit import Fit, Prior, refitted
+from cg2raw.model.fit import Fit, Prior, gain_of
 from cg2raw.model.halves import NAME as HALVES
 from cg2raw.model.halves import Halves
 from cg2raw.model.lags import Blended, Lags, lag_gains
@@ -146,22 +145,3 @@ def selection(
         if own.any():
             unnamed[name] = gain_of(own, training, validation, profile)
     return Selection(gains, training, validation, unnamed, unsure)
-
-
-def gain_of(
-    own: NDArray[np.bool_],
-    training: Fit,
-    validation: Fit,
-    profile: Array,
-    prior: Prior | None = None,
-) -> float:
-    """Return the nats of parameters @own, (n,), as trained over those of a profile.
-
-    prior : of how far something else moves them from the profile's."""
-    free = np.isfinite(np.diagonal(validation.covariance)) & ~own
-    values = []
-    for pinned, known in ((training.theta, None), (profile, prior)):
-        start = np.where(own, pinned, validation.theta)
-        let = free if known is None else free | own
-        values.append(refitted(validation.likelihood, start, let, known).value)
-    return values[0] - values[1]

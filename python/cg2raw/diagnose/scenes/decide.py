@@ -130,6 +130,11 @@ class Scenes:
         """Names of the effects whose values are fitted."""
         return {*self.chosen.names, *self.known}
 
+    @property
+    def both(self) -> Gram:
+        """That of training and validation together, with what is known."""
+        return self.with_known(self.grams[FIT] + self.grams[SELECT])
+
     def with_known(self, gram: Gram) -> Gram:
         """Return a Gram with what is known of parameters: two deviations are the range
         that the registry simulates. Then what several together do not tell stays 0."""
@@ -261,19 +266,15 @@ class Scenes:
 
     def _chosen(self, select: Selection) -> Chosen:
         """Return the effects chosen of those whose values are possible."""
-        both = self.with_known(self.grams[FIT] + self.grams[SELECT])
-        shape = self.theta - self._counted()
-        by_name = {one.name: one for one in self.effects}
         asked = set(self.candidates)
         while True:
             chosen = select.run(asked, self.most)
-            theta = both.fit(self.space.index({*chosen.names, *self.known})) + shape
+            theta = self._likeliest({*chosen.names, *self.known})
             impossible = {
-                name
-                for name in chosen.names
-                if not by_name[name].is_possible(
-                    self._with_profile(by_name[name], theta)
-                )
+                one.name
+                for one in self.effects
+                if one.name in chosen.names
+                and not one.is_possible(self._with_profile(one, theta))
             }
             if not impossible:
                 return chosen
@@ -285,13 +286,17 @@ class Scenes:
         listed = one.null if stated is None else np.array([*stated.values()])
         return one.added(listed, one.with_used(theta[self.space.slices[one.name]]))
 
+    def _likeliest(self, names: Collection[str]) -> Array:
+        """Return theta (P,) of most likelihood of some effects, 0 of all others."""
+        index = self.space.index(names)
+        theta = self.both.fit(index)
+        theta[index] += (self.theta - self._counted())[index]
+        return theta
+
     def _move(self, sets: Sums) -> bool:
         """Move to the values of the chosen effects; return whether that was far."""
-        both = self.with_known(self.grams[FIT] + self.grams[SELECT])
-        index = self.space.index(self.fitted)
-        theta = both.fit(index)
-        shape = self.theta - self._counted()
-        theta[index] += shape[index]
+        both, index = self.both, self.space.index(self.fitted)
+        theta = self._likeliest(self.fitted)
         terms = [one for one in self.model.terms if one.name not in self.space.slices]
         for one in self.effects:
             if one.name in self.fitted:

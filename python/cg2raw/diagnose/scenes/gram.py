@@ -90,7 +90,7 @@ class Gram:
         """Return that of parameters of which those of an effect are known to be no
         larger than what fixed patterns make of them in all frames alike; None where
         there are no patterns."""
-        if np.ndim(self.shared) == 0:
+        if not np.any(self.shared):
             return None
         information = self.information.copy()
         at = np.ix_(index := space.index([name]), index)
@@ -166,13 +166,11 @@ class Normal:
         inner = left[np.ix_(nuisances, nuisances)] + np.diag(deviations**-2.0)
         taken = np.linalg.solve(inner, left[nuisances])
         left -= left[nuisances].T @ taken
-        shared = self.shared
-        if np.ndim(shared):
-            shared = np.array(shared)
-            cross = taken.T @ shared[nuisances]
-            shared += taken.T @ shared[np.ix_(nuisances, nuisances)] @ taken
-            shared -= cross + cross.T
-            shared[nuisances] = shared[:, nuisances] = 0.0
+        shared = np.broadcast_to(self.shared, left.shape).copy()
+        cross = taken.T @ shared[nuisances]
+        shared += taken.T @ shared[np.ix_(nuisances, nuisances)] @ taken
+        shared -= cross + cross.T
+        shared[nuisances] = shared[:, nuisances] = 0.0
         left[nuisances] = left[:, nuisances] = 0.0
         return replace(self, products=left, shared=shared)
 
@@ -187,8 +185,8 @@ class Normal:
 
     def gram(self, size: int) -> Gram:
         """Return that of the first parameters, after all else was integrated out."""
-        p, shared = self.products, self.shared
-        if np.ndim(shared):
-            shared = np.asarray(shared)[:size, :size]
-        own = p[:size, :size]
+        p = self.products
+        own, shared = (
+            one[:size, :size] for one in (p, np.broadcast_to(self.shared, p.shape))
+        )
         return Gram(self.n, float(p[-1, -1]), p[:size, -1], own, shared, self.views)

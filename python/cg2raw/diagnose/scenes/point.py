@@ -147,8 +147,7 @@ def normal_of(
     residual = point.z.ravel() + theta.astype(np.float32) @ rows[: space.size]
     rows[-1] = residual
     rows = rows[:, used]
-    products = products_of(rows, point)
-    return Normal(int(used.sum()), products, shared_of(rows, point))
+    return Normal(int(used.sum()), products_of(rows, point), shared_of(rows, point))
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ class Selection:
         fitted = self._train.fit(self._space.index(names | self._known))
         return self._validation.gain(fitted)
 
-    def _beside_patterns(self, names: Names) -> dict[str, float]:
+    def _lost_without(self, names: Names) -> dict[str, float]:
         """Return what validation scenes lose without each name, if what fixed patterns
         make of it in all scenes alike, and the chance of that, takes its place."""
         lost = {}
@@ -84,7 +84,7 @@ class Selection:
         found = [self._exchanged(one, every) for one in starts]
         names = max(found, key=self._worth)
         while names:
-            lost = self._beside_patterns(names)
+            lost = self._lost_without(names)
             least = min(sorted(names), key=lambda a: lost[a])
             if lost[least] >= self.least:
                 break

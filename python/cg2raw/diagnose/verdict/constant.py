@@ -177,10 +177,8 @@ def _fit_of(found: DarksAndFlats, chosen: Sequence[str]) -> Fit:
     """Return the fit of what is named; all else is as the profile has it."""
     names = found.both.parameters.names
     beginnings = [name.partition(",")[0] for name in names]
-    effects = {entry["name"] for entry in found.captures.sensor.effects or ()}
-    stated = effects - {
-        "noise_reduction"
-    }  # of which the profile's noise is what is left
+    stated = {entry["name"] for entry in found.captures.sensor.effects or ()}
+    stated.discard("noise_reduction")  # what it leaves is in the profile's parameters
     moving = [other for one in (*chosen, *stated) for other in MOVES.get(one, ())]
     chosen = [*chosen, *moving]
     parameters = [p for name in chosen for p in NAMES.get(name, ())]

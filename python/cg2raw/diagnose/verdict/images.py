@@ -94,7 +94,7 @@ def _by_split(found: Scenes) -> dict[str, list[str]]:
 
 def _values(found: Scenes) -> dict[str, dict[str, Estimate]]:
     """Return the values of all effects in the model, beyond the profile's."""
-    both = found.with_known(found.grams["fit"] + found.grams["select"])
+    both = found.both
     index = found.space.index(found.fitted)
     errors = np.zeros(found.space.size)
     ratio = (both.squares - 2 * both.gain(found.theta)) / max(both.n, 1)

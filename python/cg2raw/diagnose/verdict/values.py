@@ -23,12 +23,14 @@ from cg2raw.model import flicker
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.flat_levels import CHANGES
 from cg2raw.model.lags import (
+    NAMES,
+    PARAMETERS,
     Blended,
     lags_of,
     variance_left,
     variance_left_of_lines,
 )
-from cg2raw.model.profile_values import LINES, OF_LAGS, PIXELS
+from cg2raw.model.profile_values import LINES, PIXELS, profile_lags
 from cg2raw.model.values import LOGARITHMS, Value
 from cg2raw.statistics.constant import Array
 
@@ -61,7 +63,6 @@ def values_of(found: DarksAndFlats, named: Collection[str]) -> list[Value]:
     variances = [*found.values, *_of_variances(found, named)]
     return [
         *_before_reduction(found, named, variances),
-        *_of_lags(found, named),
         *_of_levels(found, named),
         *_of_shapes(found, named),
         *_of_flicker(found, named),
@@ -103,53 +104,42 @@ def limits_of_levels(found: DarksAndFlats) -> Iterator[Value]:
         yield Value(name, OF_LEVELS[name][0][0], 0.0, -half, half)
 
 
-def _lags(
-    found: DarksAndFlats, named: Collection[str]
-) -> tuple[Array, Array, Blended] | None:
-    """Return the values of OF_LAGS, their covariance, and what they leave of variances
-    over a profile's; None if none is named."""
-    both, null = of_splits(found.statistics, GROUPS[:2]), found.null_lags
-    lags = lags_of(both, found.both, found.profile, null=null)
-    is_named = np.array([name in named for name, _ in OF_LAGS])
-    if lags is None or not is_named.any():
-        return None
-    values, covariance = lags.fitted(np.where(is_named, np.nan, null))
-    return values, covariance, Blended.of(lags, values, covariance)
-
-
-def _of_lags(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
-    fitted = _lags(found, named)
-    for at, (name, parameter) in enumerate(OF_LAGS):
-        if name in named and fitted is not None:
-            value = float(fitted[0][at])
-            half = NORMAL * float(np.sqrt(fitted[1][at, at]))
-            yield Value(name, parameter, value, value - half, value + half)
-
-
 def _before_reduction(
     found: DarksAndFlats, named: Collection[str], values: Iterable[Value]
 ) -> Iterator[Value]:
-    """Yield values as they were before noise reduction, named or stated, lowered them:
-    frames have what it leaves, and so has the null that logarithms are over."""
-    fitted = _lags(found, named)
-    at = found.null_lags if fitted is None else fitted[0]
-    over = Blended(1.0, 0.0) if fitted is None else fitted[2]
+    """Yield the values of what neighbours share, and others as they were before noise
+    reduction, named or stated, lowered them: frames have what it leaves, and so has the
+    null that logarithms are over."""
+    both, at = (
+        of_splits(found.statistics, GROUPS[:2]),
+        profile_lags(found.captures.sensor),
+    )
+    over, lags = Blended(1.0, 0.0), lags_of(both, found.both, found.profile, null=at)
+    if lags is not None and not NAMES.keys().isdisjoint(named):
+        at, covariance = lags.fitted_of(named)
+        over = Blended.of(lags, at, covariance)
+        errors = np.sqrt(np.diagonal(covariance))
+        for (name, parameter), value, error in zip(PARAMETERS, at, errors, strict=True):
+            if name in named:
+                numbers = np.full(3, value)
+                yield _moved(Value(name, parameter, *numbers), numbers, error)
     error = over.error / over.left
     left = dict.fromkeys(PIXELS, variance_left(*at[1:]))
     left |= dict.fromkeys(LINES, variance_left_of_lines(*at[1:]))
     for one in values:
         numbers = np.array(one[2:])
         if one.effect in LOGARITHMS:
-            yield _less(one, numbers - np.log(over.left), error)
+            yield _moved(one, numbers - np.log(over.left), error)
         elif one.effect in left and one.parameter == "sigma":
             numbers /= np.sqrt(left[one.effect])
-            yield _less(one, numbers, numbers[0] * error / 2)
+            yield _moved(one, numbers, numbers[0] * error / 2)
         else:
             yield one
 
 
-def _less(one: Value, numbers: Array, error: float) -> Value:
-    """Return a value with other (value, low, high), and a standard error besides."""
+def _moved(one: Value, numbers: Array, error: float) -> Value:
+    """Return a value with other (value, low, high), and another standard error added
+    to theirs."""
     value = float(numbers[0])
     low, high = (float(np.hypot(end - value, NORMAL * error)) for end in numbers[1:])
     return Value(one.effect, one.parameter, value, value - low, value + high)
