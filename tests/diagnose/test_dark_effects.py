@@ -46,14 +46,14 @@ def shots():
                              level=level, exposure_time=0.1, shape=SHAPE)  # fmt: skip
 
 
-def diagnosed(true, doubted=SENSOR, draw=0):
+def diagnosed(true, doubted=SENSOR, draw=0, details=False):
     """draw : of the noise; the sensor's maps are the same in all."""
 
     def simulate(sensor, capture, number):
         return by_registry(sensor, capture, number + draw * len(GROUPS) * 8)
 
     captures = simulated(CaptureSet(true, list(shots())), true, simulate).captures
-    return diagnose(CaptureSet(doubted, captures), details=False, threads=2)
+    return diagnose(CaptureSet(doubted, captures), details=details, threads=2)
 
 
 def missed(finding, planted):
@@ -138,6 +138,21 @@ def test_noise_before_a_filter_of_the_file_is_what_the_profile_gets():
         assert missed(by_name[name], planted) == [], name
     better = Sensor.from_json(found.profile_json, "found")
     assert diagnosed(better, better, draw=1).verdict == "consistent"
+
+
+def test_a_chart_without_a_filter_has_the_profile_s():
+    """Of pixels two apart, whose noise 0.1 of the neighbours leaves alike by 0.055."""
+    weak, strong = ({"blend": b, "diagonal": 0.0} for b in (0.1, 0.3))
+    doubted = with_effects(noise_reduction=weak)
+    found = diagnosed(with_effects(noise_reduction=strong), doubted, details=True)
+    [finding] = found.effects
+    assert (finding.name, finding.stated) == ("noise_reduction", True)
+    assert missed(finding, strong) == []
+    [chart] = [one for one in found.charts if one.effect == "noise_reduction"]
+    [series] = chart.series
+    at = [n for n, name in enumerate(chart.names) if name.startswith("2 px")]
+    assert max(series.before[at]) == pytest.approx(0.055, abs=0.03)
+    assert max(series.after[at]) > 3 * max(series.before[at])
 
 
 @pytest.mark.slow

@@ -20,8 +20,9 @@ from cg2raw.model.dark_law import fitted
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit
 from cg2raw.model.flat_levels import CHANGES
-from cg2raw.model.lags import NAMES as OF_LAGS
+from cg2raw.model.lags import NAMES as SHARED
 from cg2raw.model.lags import lags_of
+from cg2raw.model.profile_values import profile_lags
 from cg2raw.model.selection import NAMES
 from cg2raw.model.shapes.base import Shown
 from cg2raw.model.shapes.heavy_tailed_noise import EDGES, tails_of
@@ -65,7 +66,7 @@ def charts_of(
         "hot_pixels": lambda n: _rates(n, found, model),
         "heavy_tailed_noise": lambda n: _tails(n, found, chosen[n]),
         "lens_shading": lambda n: _rings(n, test, chosen[n]),
-        **dict.fromkeys(OF_LAGS, lambda n: _lags(n, found, model, test, chosen)),
+        **dict.fromkeys(SHARED, lambda n: _lags(n, found, model, test, chosen)),
         **dict.fromkeys(CHANGES, lambda n: _flats(n, found, model, test, chosen)),
     }
     for name in chosen:
@@ -296,16 +297,14 @@ def _lags(
 ) -> Chart | None:
     """Return correlations of noise with that of neighbours."""
     both = of_splits(found.statistics, GROUPS[:2])
-    trained = lags_of(both, model, found.profile)
-    lags = lags_of(found.of_split(TEST), test, found.profile)
+    null = profile_lags(found.captures.sensor)
+    trained = lags_of(both, model, found.profile, null=null)
+    lags = lags_of(found.of_split(TEST), test, found.profile, null=null)
     if trained is None or lags is None:
         return None
-    pinned = np.zeros(3)
-    for one, places in OF_LAGS.items():
-        pinned[places] = np.nan if one in chosen else 0.0
-    values, _ = trained.fitted(pinned)
+    values, _ = trained.fitted_of(chosen)
     without = values.copy()
-    without[OF_LAGS[name]] = 0.0
+    without[SHARED[name]] = null[SHARED[name]]
     weights = lags.samples / lags.samples.sum()
     each = [
         weights @ one
