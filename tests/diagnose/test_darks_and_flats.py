@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """What one model of darks and flats names, in frames of the generator."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +10,12 @@ import pytest
 
 from cg2raw.diagnose.captures.reader import in_groups
 from cg2raw.diagnose.darks_and_flats import darks_and_flats
+from cg2raw.diagnose.effects.registry import stated_by
+from cg2raw.diagnose.verdict.values import values_of
+from cg2raw.sensor import Sensor
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
+from diagnose.closed_loop import simulated
 
 SENSOR = drawn_sensor(5)
 
@@ -34,6 +39,78 @@ def found(strengths, seed=3, captures=lambda it: it):
 )
 def test_names_are_those_that_are_hidden(strengths):
     assert set(found(strengths).names) == set(strengths)
+
+
+DARK_CORNERS = {"name": "lens_shading", "parameters": {"r2": -0.3, "tilt_x": 0.05}}
+SLOPING = {"name": "bias_structure", "parameters": {"vertical": 2e-3}}
+HOT = {"name": "hot_pixels", "parameters": {"fraction": 2e-3, "rate": 2e-2}}
+
+
+def stating(*effects):
+    """The sensor with a profile that states effects."""
+    entries = [one | {"parameters": stated_by(one, None)} for one in effects]
+    return Sensor.from_json(
+        json.dumps(json.loads(SENSOR.to_json()) | {"effects": entries})
+    )
+
+
+def seen_by(sensor, profile):
+    """What darks and flats of a sensor name, by the profile of another."""
+    made = simulated(simulate_captures(SENSOR, {}, seed=3, twice=True), sensor)
+    return darks_and_flats(replace(made, sensor=profile))
+
+
+def test_a_shape_that_the_profile_states_is_no_finding():
+    sensor = stating(DARK_CORNERS, SLOPING, HOT)
+    made = seen_by(sensor, sensor)
+    assert (list(made.names), made.unexplained, list(made.notes)) == ([], [], [])
+
+
+@pytest.mark.parametrize("name", ["lens_shading", "bias_structure", "hot_pixels"])
+def test_a_shape_of_another_size_than_the_profile_states_is_named(name):
+    effects = {one["name"]: one for one in (DARK_CORNERS, SLOPING, HOT)}
+    least = {key: 0.3 * value for key, value in effects[name]["parameters"].items()}
+    others = [one for one in effects.values() if one["name"] != name]
+    profile = stating({"name": name, "parameters": least}, *others)
+    made = seen_by(stating(*effects.values()), profile)
+    assert list(made.names) == [name]
+    found = {v.parameter: v for v in values_of(made, [name]) if v.effect == name}
+    for key, stated in least.items():
+        beyond = stated if name == "lens_shading" else 0.0  # that adds to the profile's
+        value, low, high = (
+            getattr(found[key], end) for end in ("value", "low", "high")
+        )
+        truth = effects[name]["parameters"][key] - beyond
+        assert abs(value - truth) < 2 * max(high - value, value - low, 1e-9)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.7])
+def test_a_full_well_below_the_brightest_flat_is_named_and_spoils_nothing(share):
+    white, black = SENSOR.white_level, float(np.mean(SENSOR.black_level))
+
+    def full(captures):
+        flats = [c for c in captures.captures if c.kind == "flat"]
+        brightest = max(float(np.median(c.raw())) for c in flats) - black
+        level = black + share * brightest
+        return replace(
+            captures,
+            captures=[
+                replace(c, raw=lambda c=c: below(c, level)) for c in captures.captures
+            ],
+        )
+
+    def below(capture, level):
+        rng = np.random.default_rng(len(capture.name))
+        raw = capture.raw()
+        read = np.rint(level + rng.normal(0, 2.0, raw.shape))
+        return np.where(raw > level, read, raw).astype(np.uint16)
+
+    made = found({}, captures=full)
+    assert list(made.names) == ["full_well"]
+    [one] = (v for v in values_of(made, ["full_well"]) if v.effect == "full_well")
+    level = (1 - one.value) * (white - black)
+    flats = [c for c in made.captures.captures if c.kind == "flat"]
+    assert level == pytest.approx(max(np.median(c.raw()) for c in flats) - black, 0.01)
 
 
 def spoiled(capture, rows, columns):

@@ -16,7 +16,7 @@ from cg2raw.diagnose.pipeline import diagnose
 from cg2raw.diagnose.scenes.decide import Scenes
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
-from cg2raw.synthetic.sensors import ISO, with_noise
+from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
 from diagnose.planted import (
     capture_of,
     drawn,
@@ -259,3 +259,21 @@ def test_a_profile_is_judged_as_it_is_where_nothing_may_be_added():
     found = run(CaptureSet(SENSOR, repeated), most=0)
     assert found.effects == []
     assert found.gap.chi2_before == found.gap.chi2_after > 1.05
+
+
+@pytest.mark.parametrize(
+    ("hidden", "other"),
+    [
+        ({"noise_reduction": 0.2}, {"noise_reduction"}),
+        ({"shot_noise": 0.5}, set()),
+    ],
+    ids=["less noise", "more noise"],
+)
+def test_without_repeats_less_noise_may_be_noise_reduction(hidden, other):
+    sensor = drawn_sensor(5)
+    made = simulate_captures(sensor, draw_hidden(sensor, hidden, seed=5), seed=5)
+    found = diagnose(made, details=False, threads=1)
+    assert {"shot_noise"} <= {one.name for one in found.effects}
+    for one in found.effects:
+        assert set(one.ambiguous_with) == other, one.name
+    assert any("two flats" in text for text in found.next_captures) == bool(other)

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from cg2raw.model.dark_law import fitted, median_of
+from cg2raw.model.dark_law import fitted, median_of, with_hot
 from cg2raw.statistics.constant import RATE_EDGES
 
 SAMPLES = 60_000
@@ -51,3 +51,21 @@ def test_what_is_hot_is_far_from_the_others():
     counts = np.histogram(rates, RATE_EDGES)[0].astype(float)
     both = fitted(counts, uneven=True, hot=True)
     assert both.fraction < 1e-4
+
+
+def test_many_hot_pixels_are_no_wide_law_of_all():
+    """Without hot pixels the widest law is the likeliest, from which a fit with them
+    ends far below: 2 % of the pixels of a CCD, in noise of 1.5 times their rate."""
+    counts = counts_of(0.65, 0.63, 0.02, hot=29.0)
+    law = fitted(counts, uneven=True, hot=True)
+    assert law.log_sigma == pytest.approx(0.63, abs=0.1)
+    assert law.fraction == pytest.approx(0.02, rel=0.1)
+
+
+def test_hot_pixels_that_are_known_cost_what_they_are_off():
+    """Nothing where they are as stated; half a square of deviations else."""
+    counts = counts_of(0.65, 0.63, 0.02, hot=30.0)
+    free = fitted(counts, uneven=True, hot=True)
+    for rate, least, most in ((30.0, 0.0, 2.0), (15.0, 40.0, 110.0)):
+        known = with_hot(counts, 0.0, 0.02, rate)
+        assert least <= free.nats - known.nats < most

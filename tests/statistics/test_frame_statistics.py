@@ -444,3 +444,33 @@ def test_a_kept_frame_is_kept_once():
     assert read() is read()
     assert other.has_room(frame)  # none of which is taken
     assert not other.has_room(frame)
+
+
+@pytest.mark.parametrize("side", [1, 2])
+def test_blocks_are_as_bright_and_as_noisy_as_their_pixels(side):
+    """Noise that grows to the right, over a slope; blocks of 12 x 13 pixels."""
+    shape, rng = (96 * side, 104 * side), np.random.default_rng(5)
+    across = np.linspace(0, 1, shape[1])
+    frames = [
+        np.rint(500 + 300 * across + (4 + 8 * across) * rng.standard_normal(shape))
+        for _ in range(8)
+    ]
+    found = measured(groups_of([frame.astype(np.uint16) for frame in frames]), side)
+    noise, error = found.block_noise(0)
+    level = found.block_levels(0)
+    for site, (row, column) in enumerate(np.ndindex(side, side)):
+        plane = np.array(frames)[:, row::side, column::side]
+        blocks = plane.reshape(8, 8, 12, 8, 13).swapaxes(2, 3)
+        mean = blocks.mean(axis=(0, 3, 4)).ravel()
+        variance = blocks.var(axis=0, ddof=1).mean(axis=(2, 3)).ravel()
+        assert level[site] == pytest.approx(mean, abs=1.5)
+        assert noise[site] == pytest.approx(variance, rel=0.35)
+        assert noise[site].mean() == pytest.approx(variance.mean(), rel=0.02)
+    assert error == pytest.approx(np.sqrt(2 / (4 * 12 * 13)))
+
+
+def test_planes_of_fewer_lines_than_blocks_have_empty_ones():
+    found = measured(groups_of(drawn((5, 60), 2)), 1)
+    noise, error = found.block_noise(0)
+    assert noise.shape == error.shape == found.block_levels(0).shape == (1, 64)
+    assert (error.reshape(8, 8) > 1).all(axis=1).sum() == 3  # rows of blocks of none

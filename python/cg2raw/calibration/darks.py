@@ -271,7 +271,7 @@ def tails_of(seen: Seen, number: int) -> Tails:
     Cumulants add up: a difference of two has half the excess kurtosis of one, and
     rounding to codes, where noise spreads over them, adds its own."""
     planes, rounding = seen.statistics.planes, seen.sites.rounding
-    variance, each = seen.noise(number)
+    variance, each = seen.statistics.block_noise(number)
     error = np.sqrt(np.mean(each**2, 0) / len(each))
     total = float(seen.statistics.variance(number).mean())
     kurtosis = shape = None

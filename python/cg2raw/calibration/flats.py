@@ -26,11 +26,9 @@ from cg2raw.calibration.measured import (
 )
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import FIELD_BLOCKS, Sites, blocks_of, centres
+from cg2raw.model.full_well import CEILING, CERTAIN, MOST_CLIPPED
 from cg2raw.statistics.codes import COARSE
 
-CEILING = 0.5  # of the largest variance of darker flats; below it the well is full
-CERTAIN = 4.0  # standard errors that a block's variance is below it
-MOST_CLIPPED = 0.002  # of the pixels of a flat that still counts (EMVA 1288)
 MANY = 0.2  # of the pixels at one DN, which noise spreads over several
 RISING = 1.2  # levels of flats whose wells are full are closer than by this
 # Of saturation, up to which flats show a gain. Source: EMVA 1288, release 4.0.
@@ -191,7 +189,7 @@ def transfer_points(
     however the light falls off. black : (sites,) DN, dark signal included.
 
     darker : points of darker flats, which tell where wells are full."""
-    (variance, error), image = seen.noise(number), seen.mean_of(number)
+    (variance, error), image = seen.statistics.block_noise(number), seen.mean_of(number)
     sites = seen.sites
     means, levels, least = [], [], LEAST_SIGMA * sites.step
     kept = sites.of(seen.known(image))

@@ -7,10 +7,11 @@ import math
 from collections.abc import Iterator, Sequence
 
 from cg2raw.calibration.fitting import MOST_LOST
-from cg2raw.calibration.flats import HIGHEST, LINEAR, LOWEST, MOST_CLIPPED
+from cg2raw.calibration.flats import HIGHEST, LINEAR, LOWEST
 from cg2raw.calibration.frames import Scanned
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.updated_profile import STEADY
+from cg2raw.model.full_well import MOST_CLIPPED
 from cg2raw.statistics.codes import COARSE, hidden
 
 HIGH_MISFIT = 1.5  # of levels about their line, over what drift makes

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from cg2raw.calibration.frames import Group
 from cg2raw.calibration.measured import Array
-from cg2raw.calibration.sites import Sites, blocks_of
+from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.codes import COARSE, cut_share
-from cg2raw.statistics.constant import PIXEL, ConstantStatistics, GroupInfo
+from cg2raw.statistics.constant import ConstantStatistics, GroupInfo
 from cg2raw.statistics.frame_statistics import statistics_and_means
 from cg2raw.statistics.temperature import set_points
 
@@ -94,20 +94,6 @@ class Seen:
         """Return (H, W), where pixels of a mean image count and are below white."""
         known: NDArray[np.bool_] = mean < self.white
         return known if self.counting is None else known & self.counting
-
-    def noise(self, number: int) -> tuple[Array, Array]:
-        """Return (sites, blocks) DN^2, variances of a frame by pairs of a group without
-        rows' and columns' own noise, and the relative error of each, far above 1 where
-        all is masked."""
-        planes, pairs = self.statistics.planes, int(self.statistics.pairs[number])
-        kept = [[b.sum() for b in blocks_of(~plane.masked)] for plane in planes]
-        pixels = np.array(kept, float)
-        # Row and column means and the field took their part of the squares along.
-        share = [p.freedom[PIXEL] / max((~p.masked).sum(), 1) for p in planes]
-        left = np.array(share)[:, None] * pixels * pairs
-        variances = np.array([plane.noise[number] for plane in planes])
-        errors = np.sqrt(2 / (np.maximum(pixels, 1e-3) * pairs))
-        return variances / np.maximum(left, 1e-9), errors
 
     def is_coarse(self, number: int) -> bool:
         """Whether rounding hides the noise of a dark. Source: EMVA 1288, R4.0."""

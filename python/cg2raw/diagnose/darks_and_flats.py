@@ -17,10 +17,14 @@ from cg2raw.cfa import repeat_of, sites_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet, Group
 from cg2raw.diagnose.captures.splits import GROUPS, third_of_columns
 from cg2raw.diagnose.effects.catalogue import names as every_name
+from cg2raw.diagnose.effects.registry import listed_parameters
+from cg2raw.diagnose.stated_shapes import StatedShapes
 from cg2raw.model.dark_levels import LEVELS
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit
 from cg2raw.model.flat_levels import FlatLevels, flat_levels, level_gains
+from cg2raw.model.full_well import NAME as WELL
+from cg2raw.model.full_well import FullWell, full_well
 from cg2raw.model.halves import Halves, halves_of, without_halves
 from cg2raw.model.lags import NAMES as SHARED
 from cg2raw.model.lags import lags_of
@@ -52,7 +56,9 @@ class DarksAndFlats:
     statistics : of all splits, of the captures used. profile : (n,) parameters as the
     profile has them. mean_of : (H, W) DN mean image of a group by its number.
     excluded : (H, W) samples that count in nothing.
-    notes : sentences on what was left out. has_noise : whether the profile has."""
+    notes : sentences on what was left out. has_noise : whether the profile has. well :
+    None where no flat has full ones; flats that have are in no other field. stated :
+    shapes that are taken off the statistics; as_taken : those with them."""
 
     captures: CaptureSet
     names: Sequence[str]
@@ -67,6 +73,9 @@ class DarksAndFlats:
     used: Sequence[Capture]
     notes: Sequence[str]
     has_noise: bool
+    well: FullWell | None = None
+    stated: StatedShapes = StatedShapes()
+    as_taken: ConstantStatistics | None = None
 
     @property
     def unexplained(self) -> list[str]:
@@ -76,9 +85,8 @@ class DarksAndFlats:
     @cached_property
     def shown(self) -> frozenset[str]:
         """Effects that the frames can show, named or not."""
-        of_levels = levels_of(
-            self.captures, self.used, of_splits(self.statistics, GROUPS[:2]), self.both
-        )
+        both = of_splits(self.statistics, GROUPS[:2])
+        of_levels = self.levels_of(both, self.both)
         known = np.isfinite(np.diagonal(self.selection.validation.covariance))
         names = self.both.parameters.names
         levels = [name for name in LEVELS if known[names.index(name)]]
@@ -94,6 +102,14 @@ class DarksAndFlats:
         if any(capture.divided for capture in self.used):
             return np.zeros(self.used[0].shape, bool)
         return masked_in(self.statistics, self.used[0].shape)
+
+    def levels_of(
+        self, statistics: ConstantStatistics, fit: Fit, named: Collection[str] = ()
+    ) -> FlatLevels | None:
+        """Return the levels of flats of some groups. named : as of levels_of."""
+        return levels_of(
+            self.captures, self.used, statistics, fit, named, stated=self.stated
+        )
 
     def of_split(self, split: str) -> ConstantStatistics:
         """Return the statistics of a split."""
@@ -133,26 +149,45 @@ def darks_and_flats(
             "what moves the mean of a flat, and levels and row noise of training and "
             "validation are those of one frame."
         )
-    whole, mean_of, excluded = statistics_by_split(
-        used, sensor, lambda share: say("reading darks and flats", 0.5 * share)
+    least = math.log(len(every_name()) / alpha)  # each name may be false
+    read: Callable[[float], None] = lambda share: say(  # noqa: E731
+        "reading darks and flats", 0.5 * share
     )
+    whole, mean_of, excluded = statistics_by_split(used, sensor, read)
+    well = _well(sensor, iso, whole, least)
+    if well is not None:
+        used, more = _below(well, whole, used)
+        notes += more
+        whole, mean_of, excluded = statistics_by_split(used, sensor, read)
     if not any(c.divided for c in used):
         notes += lines_apart(whole, used)
-    least = math.log(len(every_name()) / alpha)  # each name may be false
+    both = of_splits(whole, (TRAINING, VALIDATION))
+    profile, has_noise = _null(sensor, iso, both)
     halves = Halves()
     for axis in (0, 1):
         one = halves_of(whole, (TRAINING, VALIDATION), axis)
         if one.nats > least:
             halves, whole = one, without_halves(whole, axis)
+    as_taken, stated_shapes = whole, StatedShapes()
+    if not any(c.divided for c in used):
+        stated_shapes = StatedShapes.of(sensor, whole)
+        profile = stated_shapes.added_to(profile, Parameters(len(whole.planes)))
+        whole = stated_shapes.without(whole, profile)
     splits = [of_splits(whole, (split,)) for split in (TRAINING, VALIDATION)]
     both = of_splits(whole, (TRAINING, VALIDATION))
-    profile, has_noise = _null(sensor, iso, both)
     fits: list[Fit] = []
     for statistics in splits:
         say("fitting darks and flats", 0.55 + 0.1 * len(fits))
         fits.append(fit(statistics, profile))
     say("dropping each name", 0.75)
-    of_shapes = shapes(whole, (TRAINING, VALIDATION), (fits[0], fits[1]))
+    white = sensor.white_level - float(np.mean(sensor.black_level))
+    hot = listed_parameters(sensor, "hot_pixels")
+    of_shapes = shapes(
+        whole,
+        (TRAINING, VALIDATION),
+        (fits[0], fits[1]),
+        None if hot is None else (hot["fraction"], hot["rate"] * white),
+    )
     tails = of_shapes.found.get(TAILS)
     has_tails = tails is not None and tails.nats > least
     null = profile_lags(sensor)
@@ -168,16 +203,21 @@ def darks_and_flats(
         (first, second) if first is not None and second is not None else None,
         of_shapes,
         halves,
+        stated_shapes.allowed(whole),
     )
     named = found.kept(least)
     levels = [
-        levels_of(captures, used, statistics, one, named, halves.response)
+        levels_of(
+            captures, used, statistics, one, named, halves.response, stated_shapes
+        )
         for statistics, one in zip(splits, fits, strict=True)
     ]
     gains = dict(found.gains)
     if levels[0] is not None and levels[1] is not None:
         gains |= level_gains(levels[0], levels[1], least)
-    stated = untested(sensor)
+    if well is not None:
+        gains[WELL] = well.nats
+    stated = untested(sensor) - {*stated_shapes.names}
     hidden = {*stated, *(() if has_noise else NOISE_TABLE)}
     asked = set(gains) if names is None else set(gains) & set(names)
     if untold := sorted(stated & asked):
@@ -191,7 +231,6 @@ def darks_and_flats(
         if (names is None or name in names) and name not in hidden
     }
     found = replace(found, gains=gains)
-    white = sensor.white_level - float(np.mean(sensor.black_level))
     say("measuring what was found", 0.9)
     together = fit(both, profile)
     kept = [s for s in of_shapes.found.values() if s.name in found.kept(least)]
@@ -211,7 +250,44 @@ def darks_and_flats(
         used,
         notes,
         has_noise,
+        well,
+        stated_shapes,
+        as_taken,
     )
+
+
+def _well(
+    sensor: Sensor, iso: float | None, statistics: ConstantStatistics, least: float
+) -> FullWell | None:
+    has_noise = bool(sensor.noise) and iso is not None
+    parameters = Parameters(len(statistics.planes))
+    profile = profile_values(sensor, iso if has_noise else None, parameters)
+    found = full_well(statistics, GROUPS[:2], profile, has_noise, least)
+    stated = listed_parameters(sensor, WELL)
+    if found is None or stated is None:
+        return found
+    white = sensor.white_level - float(np.mean(sensor.black_level))
+    away = (found.level - (1 - stated["below_white"]) * white) / found.error
+    return replace(found, nats=min(found.nats, away**2 / 2))
+
+
+def _below(
+    well: FullWell, statistics: ConstantStatistics, captures: Sequence[Capture]
+) -> tuple[list[Capture], list[str]]:
+    """Return the captures in which no well is full, and a note on others. Raises
+    ValueError where a split has none."""
+    full = {name for g in well.groups for name in statistics.groups[g].frames}
+    rest = [capture for capture in captures if capture.name not in full]
+    flats = plural(len(full), "flat")
+    if {capture.group for capture in rest} != {capture.group for capture in captures}:
+        raise ValueError(
+            f"{flats}: wells are full at {well.level:.0f} DN above black, and no other "
+            "frames are left to fit, select and report on: add darks or darker flats"
+        )
+    return rest, [
+        f"{flats} in which wells are full, at {well.level:.0f} DN above black, are in "
+        "no other number."
+    ]
 
 
 def masked_in(
@@ -276,7 +352,7 @@ def untested(sensor: Sensor) -> set[str]:
     """Return the effects that a profile states and darks and flats cannot test: it says
     a law or a shape, and a variance of what is not masked is what they measure."""
     stated = {entry["name"] for entry in sensor.effects or ()}
-    tested = {*OF_EFFECTS, *NOISE_TABLE, *SHARED, "black_level"}
+    tested = {*OF_EFFECTS, *NOISE_TABLE, *SHARED, "black_level", WELL, "hot_pixels"}
     return stated - tested | stated & {"dark_current_nonuniformity"}
 
 
@@ -392,13 +468,14 @@ def levels_of(
     found: Fit,
     named: Collection[str] = (),
     apart: float = 0.0,
+    stated: StatedShapes | None = None,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none of known light, and of parts
     of frames, which light that falls off reaches by less.
 
     used : the captures that the statistics are of. found : their fit. named : effects
     that move the mean of a flat from its middle. apart : relative, how far halves'
-    responses are."""
+    responses are. stated : shapes that are taken off the statistics."""
     if any(capture.divided for capture in used):
         return None
     sensor = captures.sensor
@@ -413,6 +490,7 @@ def levels_of(
         is_shaded="lens_shading" in named,
         is_colored="color_shading" in named,
         apart=apart,
+        shaded=None if stated is None else stated.mean,
     )
 
 

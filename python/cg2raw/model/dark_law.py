@@ -37,6 +37,10 @@ DAMPED, FREED = 4.0, 0.25  # how the damping changes by a round
 DONE = 1e-4  # nats
 LOG_SIGMAS = np.geomspace(0.05, 2.0, 16)  # that a median is averaged over
 KNOWN = 0.1  # relative error of log_sigma, by which its likelihood is normal
+# Relative, of share and rate as a profile has them: half a kelvin makes a twentieth.
+HOT_ERROR = 0.05
+NOTHING = np.zeros(5)
+FIXED = 1e6  # times as sure: first all else is found
 LEAST_NATS = 10.0  # of evidence for a law of two parameters
 
 
@@ -88,8 +92,8 @@ def fitted(counts: Array, shot: float = 0.0, *, uneven: bool, hot: bool) -> Dark
 @lru_cache(maxsize=16)  # of a few splits: a name, its value and a median need the same
 def _fitted(of_counts: bytes, shot: float, uneven: bool, hot: bool) -> DarkLaw:
     counts = np.frombuffer(of_counts)
+    wide = max(quantile(counts, 0.9), 1.0)
     if not hot:
-        wide = np.maximum(quantile(counts, 0.9), 1.0)
         used = np.array([True, uneven, uneven, False, False])
         sizes = ((wide / 2, 0.8), (0.1, 1.6)) if uneven else ((1.0, 1.0),)
         starts = [[size, sigma, LEAST_HOT, FAR] for size, sigma in sizes]
@@ -98,11 +102,27 @@ def _fitted(of_counts: bytes, shot: float, uneven: bool, hot: bool) -> DarkLaw:
         best = _fitted(of_counts, shot, uneven, False)
         used = np.array([True, uneven, uneven, True, True])
         high = max(quantile(counts, 0.999), FAR)
-        starts = [[best.rate or 1.0, best.log_sigma, n, high] for n in (1e-2, 1e-4)]
+        # Without hot pixels, those that are make the law of all a wide one.
+        sizes = ((best.rate or 1.0, best.log_sigma), (wide / 2, 0.8))
+        starts = [[*each, n, high] for each in sizes for n in (1e-2, 1e-4)]
         found, shift = [best], best.shift
     for start in starts:
         found.append(_climbed(counts, np.array([shift, *np.log(start)]), used, shot))
     return max(found, key=lambda law: law.nats)
+
+
+def with_hot(counts: Array, shot: float, fraction: float, hot_rate: float) -> DarkLaw:
+    """Return the law of most likelihood, less what it costs, with hot pixels that are
+    known to HOT_ERROR. fraction, hot_rate : as of DarkLaw; others as of fitted."""
+    counts = counts.astype(float)
+    best = fitted(counts, shot, uneven=True, hot=True)
+    start = np.array([best.rate, best.log_sigma, fraction, hot_rate])
+    x = np.array([best.shift, *np.log(np.maximum(start, LEAST_HOT))])
+    weights, free = np.array([0, 0, 0, 1, 1]) / HOT_ERROR**2, np.ones(5, bool)
+    near = _climbed(counts, x, free, shot, FIXED * weights)
+    others = [near.rate, near.log_sigma, near.fraction, near.hot_rate]
+    again = np.array([near.shift, *np.log(others)])
+    return _climbed(counts, again, free, shot, weights)
 
 
 def quantile(counts: Array, share: float) -> float:
@@ -111,13 +131,16 @@ def quantile(counts: Array, share: float) -> float:
     return float(np.interp(share * total[-1], total, RATE_EDGES))
 
 
-def _climbed(counts: Array, start: Array, free: Array, shot: float) -> DarkLaw:
+def _climbed(
+    counts: Array, start: Array, free: Array, shot: float, weights: Array = NOTHING
+) -> DarkLaw:
     """Fisher scoring with damping. start : shift, and logarithms of the others.
-    free : (5,) of them, what is searched for; without, a rate or a fraction is 0."""
+    free : (5,) of them, what is searched for; without, a rate or a fraction is 0.
+    weights : (5,) of a normal prior about the start, over its variance."""
     low, high = LOW.copy(), HIGH
     deviation = (quantile(counts, MIDDLE[1]) - quantile(counts, MIDDLE[0])) / 2
     low[4] += np.log(max(deviation, 1.0))
-    x = np.clip(start, low, high)
+    about = x = np.clip(start, low, high)
     known = np.array([True, free[1], True, free[3], True])
     # Bins without a count, at both ends, are one.
     first, last = np.flatnonzero(counts)[[0, -1]]
@@ -133,21 +156,25 @@ def _climbed(counts: Array, start: Array, free: Array, shot: float) -> DarkLaw:
         found = shares_of(law_values(x), shot, edges)
         return np.maximum(found, LEAST_SHARE)
 
+    def nats_at(x: Array, expected: Array) -> float:
+        return float(counts @ np.log(expected) - weights @ (x - about) ** 2 / 2)
+
     expected = shares(x)
-    nats = float(counts @ np.log(expected))
+    nats = nats_at(x, expected)
     damping = 1e-3
     information = np.eye(int(free.sum()))
     for _ in range(ROUNDS):
         by = slopes_of(law_values(x), shot, edges)[free] * (expected > LEAST_SHARE)
-        score = by @ (counts / expected)
+        score = by @ (counts / expected) - (weights * (x - about))[free]
         information = counts.sum() * (by / expected) @ by.T
+        information += np.diag(weights[free])
         own = np.diagonal(information)
         damped = information + np.diag(damping * own + 1e-9)
         trial = x.copy()
         trial[free] += np.linalg.solve(damped, score)
         trial = np.clip(trial, low, high)
         after = shares(trial)
-        better = float(counts @ np.log(after))
+        better = nats_at(trial, after)
         if better < nats:
             damping = max(damping, 1e-4) * DAMPED
             if damping > 1e9:

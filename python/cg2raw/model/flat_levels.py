@@ -172,6 +172,7 @@ def flat_levels(
     is_shaded: bool = False,
     is_colored: bool = False,
     apart: float = 0.0,
+    shaded: Array | None = None,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none.
 
@@ -181,7 +182,11 @@ def flat_levels(
     off. nuisances : of a capture set. is_shaded, is_colored : whether light falls off
     towards the corners, of colours differently: then levels are those of the middle of
     the frame. apart : relative, how far two amplifiers' responses are: a profile's may
-    be that of either."""
+    be that of either. shaded : (sites,) the mean of a stated shading, which mean images
+    lack, over that in the middle."""
+    if shaded is None:
+        shaded = np.ones(len(predicted))
+    predicted = predicted * shaded[:, None]
     planes = found.likelihood.planes
     is_cut = np.any([plane.plane.high > CUT for plane in planes], axis=0)
     is_lit = np.all([plane.light > 0 for plane in planes], axis=0)
@@ -225,7 +230,7 @@ def flat_levels(
     ratios = light_of / predicted
     if is_shaded or is_colored:
         brighter, more = _middles(planes, groups, light_of, is_colored)
-        ratios = ratios * (1 + brighter[:, None])
+        ratios = ratios * (1 + (brighter * shaded)[:, None])
         covariance += more[np.ix_(site, site)]
     ratios = ratios.ravel()
     are_free = "white_balance" in nuisances or not is_known.any()

@@ -43,6 +43,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
 }
 # A covariance, which no profile states: without the one of its effects it is none.
 BOTH = "dsnu and dark current"
+LEAST_SHAPE = 1e-12  # DN^2, or relative: of a stated shape that is none
 # Components that no effect has: where structure is that nothing explains.
 UNNAMED = ("column_noise", "row_fixed_pattern", "columns of light", "rows of light")
 
@@ -77,12 +78,14 @@ def selection(
     lags: tuple[Lags, Lags] | None = None,
     shapes: Shapes | None = None,
     halves: Halves | None = None,
+    allowed: Mapping[str, float] | None = None,
 ) -> Selection:
     """Return what each name gains.
 
     profile : (n,) parameters of the null. least : nats that a name needs. lags : of
     both, of repeats. shapes : of the same frames; None where they are not known.
-    halves : how they differ, which is taken off."""
+    halves : how they differ, which is taken off. allowed : variance of a coefficient
+    that frames may have beyond a shape that a profile states, by name."""
     shapes, halves = shapes or Shapes({}), halves or Halves()
     names = training.parameters.names
     gains: dict[str, float] = {}
@@ -111,6 +114,9 @@ def selection(
         at_prnu = np.flatnonzero(own)
         if name == "prnu" and min(shapes.spots, profile[at_prnu].min()) > 0:
             prior = Prior(at_prnu, profile[at_prnu], np.array([[shapes.spots**2]]))
+        if allowed and name in allowed:
+            at, size = np.flatnonzero(own), max(allowed[name], LEAST_SHAPE)
+            prior = Prior(at, profile[at], size**2 * np.eye(len(at)))
         gains[name] = gain_of(own, training, validation, profile, prior)
     levels = {name: places[name] for name in LEVELS if name in places}
     unsure: Mapping[str, float] = {}

@@ -268,6 +268,41 @@ class ConstantStatistics:
         found: Array = np.array(squares) / freedom
         return found
 
+    def block_levels(self, number: int) -> Array:
+        """Return (planes, 64) DN, means of a group's mean image in BLOCKS x BLOCKS
+        blocks, row by row, without what single pixels have."""
+        found = []
+        for plane in self.planes:
+            down, across = (_blocks(length) for length in plane.shape)
+            down, across = (
+                each / np.maximum(each.sum(axis=1, keepdims=True), 1)
+                for each in (down, across)
+            )
+            rows = down @ plane.rows[number]
+            columns = across @ plane.columns[number]
+            low = [
+                polynomials(length)[1 : FIELD + 1] @ each.T
+                for length, each in zip(plane.shape, (down, across), strict=True)
+            ]
+            field = plane.field[number, : len(low[0]), : len(low[1])]
+            level = plane.level[number] + low[0].T @ field @ low[1]
+            found.append((level + rows[:, None] + columns).ravel())
+        return np.array(found)
+
+    def block_noise(self, number: int) -> tuple[Array, Array]:
+        """Return (planes, 64) DN^2, variances of a frame by pairs of a group without
+        rows' and columns' own noise, and the relative error of each, far above 1 where
+        all is masked."""
+        pairs, left, pixels = int(self.pairs[number]), [], []
+        for plane in self.planes:
+            down, across = (_blocks(length) for length in plane.shape)
+            pixels.append((down @ ~plane.masked @ across.T).ravel())
+            # Row and column means and the field took their part of the squares along.
+            left.append(pixels[-1] * plane.freedom[PIXEL] / max(pixels[-1].sum(), 1))
+        variances = np.array([plane.noise[number] for plane in self.planes])
+        errors = np.sqrt(2 / (np.maximum(pixels, 1e-3) * pairs))
+        return variances / np.maximum(np.array(left) * pairs, 1e-9), errors
+
     def in_steps(self, step: int, offset: int) -> "ConstantStatistics":
         """Return the same in units of steps from the lowest code: where codes are
         @offset and steps of @step DN above it. Rates of dark current go."""
@@ -356,6 +391,12 @@ class ConstantStatistics:
             spots=None if places is None else Spots(places, about["tried"]),
             **whole,
         )
+
+
+def _blocks(length: int) -> Array:
+    """Return (BLOCKS, length), 1 where a sample along a side is in a block."""
+    block = ((np.arange(length) + 1) * BLOCKS - 1) // length
+    return np.equal.outer(np.arange(BLOCKS), block).astype(float)
 
 
 def smooth_images(

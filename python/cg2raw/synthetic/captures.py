@@ -261,11 +261,11 @@ def _folder(given: argparse.Namespace) -> disk.Folder:
     nuisances = conditions.STUDIO if given.studio else None
     shape = _size(given.size)
     source = synthetic_camera_of(
-        sensor, hidden, given.seed, shape, given.illuminant, iso, nuisances
+        sensor, hidden, given.seed, shape, given.illuminant, iso, nuisances, twice=True
     )
     known = doubted(sensor, source.camera)
     name = name if known is sensor else disk.SENSOR
-    return disk.Folder(source, plan(given.seed), known, name, given.illuminant, iso)
+    return disk.Folder(source, source.shots, known, name, given.illuminant, iso)
 
 
 def written(given: argparse.Namespace) -> disk.Folder:

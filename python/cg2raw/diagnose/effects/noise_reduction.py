@@ -25,6 +25,11 @@ class NoiseReduction(Effect):
     fitted = (Parameter("blend", -0.9, 0.9), Parameter("diagonal", -0.4, 0.4))
     step = 5e-3
     signature = frozenset({"softener"})
+    told_apart = dict.fromkeys(
+        ("read_noise", "shot_noise", "blur"),
+        "Two darks of one exposure time and two flats of one light in each group: "
+        "noise that neighbours share in their difference is noise reduction.",
+    )
     bayer_only = True
 
     @property

@@ -15,7 +15,6 @@ from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.darks_and_flats import (
     TEST,
     DarksAndFlats,
-    levels_of,
     untested,
 )
 from cg2raw.diagnose.diagnosis import (
@@ -24,6 +23,8 @@ from cg2raw.diagnose.diagnosis import (
     Finding,
     Gap,
 )
+from cg2raw.diagnose.effects.catalogue import candidates
+from cg2raw.diagnose.effects.discriminating_captures import deciding_captures
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.verdict.charts import charts_of
 from cg2raw.diagnose.verdict.findings import finding_of, verdict_of
@@ -42,8 +43,10 @@ from cg2raw.model.flat_levels import CHANGES
 from cg2raw.model.likelihood import Likelihood
 from cg2raw.model.misfit import misfits
 from cg2raw.model.selection import NAMES
+from cg2raw.model.values import LOGARITHMS
 from cg2raw.statistics.constant import ConstantStatistics
 
+FILTER = "noise_reduction"
 # What else an effect moves: the mean of a pattern, the variance of wider noise.
 MOVES: Mapping[str, tuple[str, ...]] = {
     "dark_current_nonuniformity": ("dark_current",),
@@ -80,8 +83,9 @@ def diagnosis_of(
     gap, freedom = _gap(captures, found, chosen, held_out, samples, bool(free))
     tests = [tests_of(one, model, samples) for one in held_out]
     unnamed = [*unnamed_tests(found.selection.unnamed, samples)]
-    left = left_over([*tests[1], *unnamed], gap.before - gap.after)
-    left += chi_square_test(gap.chi2_after, freedom)
+    gained = gap.before - gap.after
+    left = left_over([*tests[1], *unnamed], gained)
+    left += chi_square_test(gap.chi2_after, freedom, gained)
     findings = _findings(captures, found, chosen, bool(left))
     told = sorted(name for split in GROUPS[:2] for name in frames[split])
     is_closed = findings and gap.after <= gap.before
@@ -96,7 +100,11 @@ def diagnosis_of(
         detection_limits=[
             one for one in detection_limits(found, chosen) if one.name in names
         ],
-        next_captures=[],
+        next_captures=[
+            text
+            for one in findings
+            for text in deciding_captures(one.name, one.ambiguous_with)
+        ],
         notes=_notes(found),
         groups=frames,
         charts=list(charts_of(found, model, held_out[1], findings)) if details else [],
@@ -213,7 +221,7 @@ def _gap(
         squares[n] = sum(misfit.squares for misfit in every)
         freedom = sum(misfit.freedom for misfit in every)
     levels = [
-        levels_of(captures, found.used, one.likelihood.means.statistics, one, chosen)
+        found.levels_of(one.likelihood.means.statistics, one, chosen)
         for one in (found.both, held_out[1])
         if not are_levels_free
     ]
@@ -266,6 +274,18 @@ def _findings(
             found.selection.gains[name],
             captures.sensor,
             is_provisional,
+            [FILTER] if _may_be_filtered(found, name, values[name]) else [],
         )
         for name in chosen
     ]
+
+
+def _may_be_filtered(
+    found: DarksAndFlats, name: str, values: Mapping[str, Estimate]
+) -> bool:
+    """Return whether noise reduction would do the same: there is less noise than the
+    profile says, and no two frames show whether neighbours share theirs."""
+    if name not in LOGARITHMS or FILTER in found.selection.gains:
+        return False
+    can_be = any(one.name == FILTER for one in candidates(found.captures.sensor.cfa))
+    return can_be and all(one.value < 0 for one in values.values())

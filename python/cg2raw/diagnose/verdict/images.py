@@ -26,14 +26,12 @@ from cg2raw.diagnose.scenes.decide import PHOTONS, WELL, Scenes
 from cg2raw.diagnose.scenes.pictures import histogram, pictures_of
 from cg2raw.diagnose.scenes.predict import variance_left
 from cg2raw.diagnose.scenes.selection import limits
+from cg2raw.diagnose.stated_shapes import SHAPE_ERROR
 from cg2raw.diagnose.verdict.findings import finding_of, verdict_of
 from cg2raw.diagnose.verdict.profile import updated_profile
 from cg2raw.diagnose.verdict.unexplained import chi_square_test, left_over
 from cg2raw.model.figures import NORMAL
 
-# Share of an effect's gain that its shape may leave to others, if several of them take
-# it up as well: a response is no polynomial to better than a tenth of its bend.
-SHAPE_ERROR = 0.01
 STRENGTHS = np.geomspace(1e-4, 1.0, 81)  # of effects without derivatives
 
 
@@ -42,10 +40,11 @@ def diagnosis_of_images(found: Scenes, details: bool) -> Diagnosis:
     before, after = found.test_points
     gap = _gap(found)
     tests = found.residual_tests
-    left = left_over(tests[1], gap.before - gap.after)
+    gained = gap.before - gap.after
+    left = left_over(tests[1], gained)
     # Where captures have more than noise, its size was fitted to other frames.
     if not found.excess and not any(point.view.is_table for point in after):
-        left += chi_square_test(gap.chi2_after, found.grams["report"].n)
+        left += chi_square_test(gap.chi2_after, found.grams["report"].n, gained)
     values = _values(found)
     findings, shapes = _findings(found, values, bool(left))
     notes = [*found.capture_set.notes, *_notes(found), *shapes]
@@ -132,9 +131,9 @@ def _findings(
 ) -> tuple[list[Finding], list[str]]:
     """Return (findings, notes on names that are none of their own).
 
-    An effect's model has a shape; what the true one has beside it is taken up by
-    another, known or any that does as well. That stays in the profile, and is not
-    called an effect of its own."""
+    An effect's model has a shape; what the true one has beside it, SHAPE_ERROR of its
+    gain, is taken up by another, known or any that does as well. That stays in the
+    profile, and is not called an effect of its own."""
     nats = {**found.chosen.nats, **found.nats}
     findings, notes = [], []
     for name in sorted(nats, key=lambda one: -nats[one]):

@@ -69,7 +69,7 @@ def _figures(found: DarksAndFlats, wanted: Collection[str]) -> list[Figure]:
 
 def _seen(found: DarksAndFlats) -> Seen:
     """Return training and validation frames as one set of darks and flats."""
-    both = of_splits(found.statistics, GROUPS[:2])
+    both = of_splits(found.as_taken or found.statistics, GROUPS[:2])
     infos = found.statistics.groups
     numbers = [g for g, info in enumerate(infos) if info.split in GROUPS[:2]]
     time = {n: infos[g].exposure_time or 0.0 for n, g in enumerate(numbers)}

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis, Gap
 from cg2raw.diagnose.effects.catalogue import of_images
+from cg2raw.diagnose.scenes.decide import BLUR
+from cg2raw.diagnose.verdict.constant import FILTER
 from cg2raw.diagnose.verdict.findings import verdict_of
 from cg2raw.sensor import Sensor
 
@@ -54,6 +56,14 @@ def together(first: Diagnosis, second: Diagnosis) -> Diagnosis:
     """Return the diagnosis of darks and flats, and of images by the profile that it
     makes, as one."""
     effects = [*first.effects, *second.effects]
+    if any(FILTER in one.ambiguous_with for one in first.effects):
+        # Then what softens images may be the filter, too.
+        effects = [
+            replace(one, ambiguous_with=[*one.ambiguous_with, FILTER])
+            if one.name == BLUR
+            else one
+            for one in effects
+        ]
     left = [*first.unexplained, *second.unexplained]
     if left:
         effects = [replace(one, provisional=True) for one in effects]
@@ -69,6 +79,7 @@ def together(first: Diagnosis, second: Diagnosis) -> Diagnosis:
         tests_after=[*first.tests_after, *second.tests_after],
         unexplained=left,
         detection_limits=_limits(first, second),
+        next_captures=[*first.next_captures, *second.next_captures],
         notes=list(dict.fromkeys([*first.notes, *second.notes])),
         groups={
             split: list(dict.fromkeys([*names, *second.groups[split]]))

@@ -56,12 +56,17 @@ def left_over(tests: Sequence[ResidualTest], gained: float) -> list[ResidualTest
     ]
 
 
-def chi_square_test(chi_square: float, freedom: float) -> list[ResidualTest]:
+def chi_square_test(
+    chi_square: float, freedom: float, gained: float
+) -> list[ResidualTest]:
     """Return the test of the reduced chi-square of held-out frames, of so many degrees
-    of freedom, if it is not near 1."""
+    of freedom, if it is not near 1 and not SHARE_LEFT of what a model closed, nats per
+    pixel."""
     error = sqrt(2 / max(freedom, 1))
     away = chi_square - 1
-    if abs(away) <= max(CHI_SQUARE, CHI_SQUARE_ERRORS * error):
+    nats = 0.5 * abs(away - log(chi_square))
+    is_near = abs(away) <= max(CHI_SQUARE, CHI_SQUARE_ERRORS * error)
+    if is_near or nats <= SHARE_LEFT * gained:
         return []
     text = "larger" if away > 0 else "smaller"
     return [
@@ -69,7 +74,7 @@ def chi_square_test(chi_square: float, freedom: float) -> list[ResidualTest]:
             CHI_SQUARE_NAME,
             chi_square,
             float(2 * norm.sf(abs(away) / error)),
-            0.5 * abs(away - log(chi_square)),
+            nats,
             f"the residuals are {text} than the noise that is predicted",
         )
     ]

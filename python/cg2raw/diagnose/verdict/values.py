@@ -15,13 +15,15 @@ from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.darks_and_flats import (
     VALIDATION,
     DarksAndFlats,
-    levels_of,
     of_splits,
 )
+from cg2raw.diagnose.effects.registry import listed_parameters
 from cg2raw.diagnose.verdict.measurements import measurements_of
+from cg2raw.diagnose.verdict.profile import OF_SENSOR
 from cg2raw.model import flicker
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.flat_levels import CHANGES
+from cg2raw.model.full_well import NAME as WELL
 from cg2raw.model.lags import (
     NAMES,
     PARAMETERS,
@@ -66,7 +68,18 @@ def values_of(found: DarksAndFlats, named: Collection[str]) -> list[Value]:
         *_of_levels(found, named),
         *_of_shapes(found, named),
         *_of_flicker(found, named),
+        *_of_well(found, named),
     ]
+
+
+def _of_well(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
+    if found.well is not None and WELL in named:
+        sensor = found.captures.sensor
+        white = sensor.white_level - float(np.mean(sensor.black_level))
+        stated = (listed_parameters(sensor, WELL) or {}).get("below_white", 0.0)
+        value = 1 - stated - found.well.level / white
+        half = NORMAL * found.well.error / white
+        yield Value(WELL, "below_white", value, value - half, value + half)
 
 
 def _of_flicker(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
@@ -94,7 +107,7 @@ def _of_variances(found: DarksAndFlats, named: Collection[str]) -> Iterator[Valu
 def limits_of_levels(found: DarksAndFlats) -> Iterator[Value]:
     """Yield parameters of what flats that decide show of light, each alone, at 0."""
     own = found.of_split(VALIDATION)
-    levels = levels_of(found.captures, found.used, own, found.selection.validation)
+    levels = found.levels_of(own, found.selection.validation)
     if levels is None:
         return
     for name in levels.names:
@@ -147,7 +160,7 @@ def _moved(one: Value, numbers: Array, error: float) -> Value:
 
 def _of_levels(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
     both = of_splits(found.statistics, GROUPS[:2])
-    levels = levels_of(found.captures, found.used, both, found.both, named)
+    levels = found.levels_of(both, found.both, named)
     names = [name for name in CHANGES if name in named]
     if levels is None or not names:
         return
@@ -178,9 +191,9 @@ def _of_shapes(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
                 ends = (ends - found.profile[at + level.site]) / white
                 yield Value("black_level", f"offset_{site}", *map(float, ends))
     for name in sorted(wanted):
+        stated = listed_parameters(measured.sensor, name) or {}
         for parameter, one in (answers.get(name) or {}).items():
             given = one if isinstance(one, Measured) else Measured(float(one), 0.0, "")
-            half = NORMAL * given.standard_error
-            yield Value(
-                name, parameter, given.value, given.value - half, given.value + half
-            )
+            before = 0.0 if name in OF_SENSOR else stated.get(parameter, 0.0)
+            value, half = given.value - before, NORMAL * given.standard_error
+            yield Value(name, parameter, value, value - half, value + half)

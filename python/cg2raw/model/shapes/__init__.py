@@ -64,13 +64,16 @@ class Shapes:
 
 
 def shapes(
-    statistics: ConstantStatistics, splits: tuple[str, str], fits: tuple[Fit, Fit]
+    statistics: ConstantStatistics,
+    splits: tuple[str, str],
+    fits: tuple[Fit, Fit],
+    hot: tuple[float, float] | None = None,
 ) -> Shapes:
     """Return what frames can show of shapes.
 
     statistics : of the groups of all splits. splits : the names of those to train and
-    to validate by. fits : of these."""
-    shown = Shown(statistics, splits, fits)
+    to validate by. fits : of these. hot : as of Shown."""
+    shown = Shown(statistics, splits, fits, hot)
     found = (effect(shown) for effect in EFFECTS)
     by_name = {shape.name: shape for shape in found if shape is not None}
     tails = by_name.get(TAILS)

@@ -32,11 +32,13 @@ class Shape:
 @dataclass(frozen=True)
 class Shown:
     """Statistics of training and validation groups together; the names of these splits,
-    and their fits."""
+    and their fits. hot : share and mean rate, DN/s, of the hot pixels that a profile
+    states; None without."""
 
     statistics: ConstantStatistics
     splits: tuple[str, str]
     fits: tuple[Fit, Fit]
+    hot: tuple[float, float] | None = None
 
     @property
     def is_cut(self) -> bool:

@@ -5,7 +5,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.model.dark_law import DarkLaw, fitted, median_of, nats_of
+from cg2raw.model.dark_law import DarkLaw, fitted, median_of, nats_of, with_hot
 from cg2raw.model.figures import NORMAL, Figure
 from cg2raw.model.recorded import FINE
 from cg2raw.model.shapes.base import Shape, Shown, nats_of_overlap, points_of
@@ -21,8 +21,9 @@ LAW = 1 / 8
 
 
 def hot_pixels(shown: Shown) -> Shape | None:
-    """Return their evidence: that of their law beside any of the others, or of how many
-    are the same in both splits, whichever is less. None without two exposure times."""
+    """Return their evidence: that of their law beside any of the others, with those
+    that a profile states, or of how many are the same in both splits, whichever is
+    less. None without two exposure times."""
     rates = {one.split: one for one in shown.statistics.rates}
     if not set(shown.splits) <= rates.keys():
         return None
@@ -30,7 +31,11 @@ def hot_pixels(shown: Shown) -> Shape | None:
     counts = validation.counts.astype(float)
     first, second = (shown.shot(rates[split]) for split in shown.splits)
     law = fitted(training.counts.astype(float), first, uneven=True, hot=True)
-    without = fitted(counts, second, uneven=True, hot=False)
+    if shown.hot is None:
+        without = fitted(counts, second, uneven=True, hot=False)
+    else:
+        fraction, rate = shown.hot
+        without = with_hot(counts, second, fraction, rate / validation.noise)
     trained = law.over(validation.noise / training.noise, second)
     of_law = nats_of(counts, trained) - without.nats
     nats = min(of_law, nats_of_overlap(_far(shown), shown.samples))
