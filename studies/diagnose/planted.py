@@ -13,9 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
 from cg2raw.arrays import RawImage
 from cg2raw.diagnose.captures.capture import Capture
+from cg2raw.diagnose.effects.registry import listed_parameters
 from cg2raw.sensor import Sensor
 from cg2raw.synthetic.synthetic_camera import stream
 
@@ -30,14 +32,15 @@ FULL = 1.02  # of the brightest level, where a full well of strength 0 would lie
 @dataclass(frozen=True)
 class Levels:
     """What a planted effect has to know of a sensor: (H, W) black in DN, DN per
-    electron, read noise in DN, white in DN, and the brightest flat in DN above black,
-    0 without flats."""
+    electron, read noise in DN and its correlation with that of the next pixel of the
+    row, white in DN, and the brightest flat in DN above black, 0 without flats."""
 
     black: Plane
     dn_per_electron: float
     read_noise: float
     white: int
     brightest: float
+    correlation: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -75,6 +78,9 @@ def levels_of(sensor: Sensor, iso: float, captures: list[Capture]) -> Levels:
         float(np.sqrt(np.mean(row["beta2"]))) * reach,
         sensor.white_level,
         max(brightest, default=0.0),
+        (listed_parameters(sensor, "read_noise_correlation") or {}).get(
+            "coefficient", 0.0
+        ),
     )
 
 
@@ -162,17 +168,23 @@ def _full_well(shot: Exposure, s: float, levels: Levels) -> Plane:
 
 def _shot_noise(shot: Exposure, s: float, levels: Levels) -> Plane:
     """Charge thinned to exp(-s) of it and read with a gain as much larger: of the same
-    level, and of exp(s) times its shot noise."""
+    level, and of exp(s) times its shot noise. Charge is that of the level without read
+    noise: of a dark its mean."""
     gain = levels.dn_per_electron
-    variance = np.expm1(s) * gain * np.maximum(shot.level, 0.0)
+    charge = shot.level if shot.light else np.full_like(shot.level, shot.level.mean())
+    variance = np.expm1(s) * gain * np.maximum(charge, 0.0)
     normal = shot.own.standard_normal(shot.level.shape)
     level: Plane = shot.level + np.sqrt(variance) * normal
     return level
 
 
 def _read_noise(shot: Exposure, s: float, levels: Levels) -> Plane:
+    """Noise of the same correlation along rows as the sensor's, by an autoregressive
+    process of order 1."""
     size = np.sqrt(np.expm1(s)) * levels.read_noise
-    level: Plane = shot.level + size * shot.own.standard_normal(shot.level.shape)
+    noise, rho = shot.own.standard_normal(shot.level.shape), levels.correlation
+    noise[:, 1:] *= np.sqrt(1 - rho**2)
+    level: Plane = shot.level + size * lfilter([1.0], [1.0, -rho], noise, axis=1)
     return level
 
 
