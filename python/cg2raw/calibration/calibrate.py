@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.blas_threads import one_blas_thread
 from cg2raw.calibration.darks import read_darks
 from cg2raw.calibration.defects import Defects, defects_of
 from cg2raw.calibration.fitting import fitted, of_sites
@@ -61,6 +62,7 @@ LOOKS = 3
 Progress = Callable[[str, float], None]
 
 
+@one_blas_thread
 def calibrate(
     sensor: Sensor,
     frames: Sequence[UniformFrame],

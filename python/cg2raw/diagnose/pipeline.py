@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cg2raw.blas_threads import one_blas_thread
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.darks_and_flats import darks_and_flats, is_constant
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
@@ -27,6 +28,7 @@ Progress = Callable[[str, float], None]
 OF_DARKS = 0.3  # of the progress of darks, flats and images
 
 
+@one_blas_thread
 def diagnose(
     capture_set: CaptureSet,
     *,

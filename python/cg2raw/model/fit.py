@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, solve_triangular
 
 from cg2raw.model.components import FIXED, TEMPORAL
 from cg2raw.model.evaluation import Evaluation, Parameters
@@ -28,6 +28,7 @@ SAME_LIGHT = 0.05  # relative: flats whose levels differ by less are of one ligh
 DONE = 1e-5  # nats that a round would gain: 1/200 of a standard error
 # Of a parameter's own information that the others leave: below, it is not known.
 UNKNOWN = 1e-10
+KNOWN = 1e-6  # likewise: far above, all are known
 ALIKE = 2.0  # nats: fits that differ by less explain alike
 LEAST_FREEDOM = 16  # of pixels, that a variance is taken of: it is known to a third
 
@@ -203,17 +204,28 @@ def _solved(
     own = np.diagonal(information)
     used = np.flatnonzero(free & (own > 0))
     scale = 1 / np.sqrt(own[used])
-    values, vectors = np.linalg.eigh(
-        information[np.ix_(used, used)] * np.outer(scale, scale)
-    )
-    known = values > UNKNOWN
-    inverse = vectors[:, known] / values[known] @ vectors[:, known].T
-    lost = (vectors[:, ~known] ** 2).sum(axis=1) > 0.01
+    inverse, lost = _inverse(information[np.ix_(used, used)] * np.outer(scale, scale))
     step, covariance = np.zeros(len(score)), np.full(information.shape, np.nan)
     step[used] = scale * (inverse @ (scale * score[used]))
     inverse[lost] = inverse[:, lost] = np.nan
     covariance[np.ix_(used, used)] = inverse * np.outer(scale, scale)
     return step, covariance
+
+
+def _inverse(matrix: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the inverse of a symmetric matrix of diagonal 1, and which rows are of
+    directions that are not known, which it leaves out."""
+    try:
+        root = np.linalg.cholesky(matrix)
+    except np.linalg.LinAlgError:
+        root = np.zeros((1, 1))
+    if np.diagonal(root).min(initial=1.0) ** 2 > KNOWN:
+        inverse = solve_triangular(root, np.eye(len(root)), lower=True)
+        return inverse.T @ inverse, np.zeros(len(root), bool)
+    values, vectors = np.linalg.eigh(matrix)
+    known = values > UNKNOWN
+    inverse = vectors[:, known] / values[known] @ vectors[:, known].T
+    return inverse, (vectors[:, ~known] ** 2).sum(axis=1) > 0.01
 
 
 def start_of(
@@ -356,7 +368,9 @@ def _start_patterns(
         designs.append(design)
     design = np.concatenate(designs, axis=1).T
     scale = np.abs(design).max(axis=0) + 1e-300
-    values = np.linalg.lstsq(design / scale, np.concatenate(rests), rcond=None)[0]
+    design /= scale
+    products = design.T @ np.column_stack([design, np.concatenate(rests)])
+    values = np.linalg.lstsq(products[:, :-1], products[:, -1], rcond=None)[0]
     theta[used] = np.maximum(values, 0.0) / scale
     theta[likelihood.parameters.of("dsnu and dark current")] = 0.0
 
