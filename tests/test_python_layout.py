@@ -13,6 +13,7 @@ import pytest
 # and from rooms before it. "cg2raw" is the package's __init__.py: the public names.
 ROOMS = (
     "cg2raw.interrupts",
+    "cg2raw.blas_threads",
     "cg2raw._core",
     "cg2raw.system",
     "cg2raw.near_words",
@@ -58,6 +59,7 @@ DIAGNOSE = (
     "cg2raw.diagnose.captures",
     "cg2raw.diagnose.frames",
     "cg2raw.diagnose.effects",
+    "cg2raw.diagnose.stated_shapes",
     "cg2raw.diagnose.darks_and_flats",
     "cg2raw.diagnose.workers",
     "cg2raw.diagnose.scenes",
