@@ -65,6 +65,7 @@ def test_a_report_is_written(engine, captures, tmp_path):
         "without": (),
         "only": (),
         "time_limit": 600,
+        "statistics": None,
     }
 
 

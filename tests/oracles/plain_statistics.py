@@ -70,6 +70,7 @@ def plain_statistics(groups, side, white, excluded=None):
         lags=np.array(lags),
         white=white,
         overlaps=noisy @ noisy.T,
+        mean_of=lambda n: np.mean(groups[n][1], axis=0, dtype=np.float32),
         transients=np.zeros((len(groups), 1, 2), int),
     )
 

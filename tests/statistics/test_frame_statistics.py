@@ -3,6 +3,7 @@
 """FrameStatistics of the core against the plain version, and by laws and bad input."""
 
 from dataclasses import fields, replace
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -17,10 +18,7 @@ from cg2raw.statistics.constant import (
     PlaneStatistics,
     polynomials,
 )
-from cg2raw.statistics.frame_statistics import (
-    frame_statistics,
-    statistics_and_means,
-)
+from cg2raw.statistics.frame_statistics import frame_statistics
 from cg2raw.statistics.kept import Kept
 from oracles.plain_statistics import plain_statistics
 
@@ -146,7 +144,8 @@ def test_what_one_frame_has_alone_is_counted_and_in_no_mean():
         (info, [lambda f=f: f for f in frames])
         for info, frames in groups_of(first, second)
     ]
-    found, mean = statistics_and_means(readers, 2, WHITE)
+    found = frame_statistics(readers, 2, WHITE)
+    mean = found.mean_of
     above, below = found.transients[..., 0], found.transients[..., 1]
     assert above.tolist() == [[0, 0, 1, 0], [0, 0, 0, 0]]
     assert below.tolist() == [[0, 0, 0, 0], [0, 1, 0, 0]]
@@ -208,12 +207,21 @@ def test_threads_do_not_matter(side):
 
 
 def test_a_file_has_all_of_it(tmp_path):
-    found = measured(groups_of(spoilt(drawn((96, 121), 5)), drawn((96, 121), 1)), 2)
+    excluded = np.zeros((96, 121), bool)
+    excluded[7:9, 3] = True
+    groups = groups_of(spoilt(drawn((96, 121), 5)), drawn((96, 121), 1))
+    found = measured(groups, 2, excluded=excluded)
     path = str(tmp_path / "statistics.npz")
     found.save(path)
     again = ConstantStatistics.load(path)
     assert_alike(again, found, exactly=True)
     np.testing.assert_array_equal(again.planes[0].products, found.planes[0].products)
+    for number in (0, 1, 0):
+        mean = again.mean_of(number)
+        np.testing.assert_array_equal(mean, found.mean_of(number), strict=True)
+        mean[:] = 0
+    np.testing.assert_array_equal(again.excluded, excluded, strict=True)
+    np.testing.assert_array_equal(again.only([1]).mean_of(0), found.mean_of(1))
 
 
 @pytest.mark.parametrize("side", [1, 2])
@@ -272,12 +280,59 @@ def test_some_of_the_groups():
     assert_alike(measured(groups, 2).only([2, 0]), measured(some, 2))
 
 
-@pytest.mark.parametrize("content", [b"", b"no archive", b"PK\x05\x06" + bytes(18)])
-def test_a_file_of_something_else_is_refused(tmp_path, content):
+def half(content):
+    return content[: len(content) // 2]
+
+
+def one_byte(content):
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+def without_a_mean(content):
+    with np.load(BytesIO(content)) as file:
+        rest = {name: file[name] for name in file.files if name != "mean 1"}
+    np.savez(room := BytesIO(), **rest)
+    return room.getvalue()
+
+
+def one_array(content):
+    np.save(room := BytesIO(), np.zeros(3))
+    return room.getvalue()
+
+
+@pytest.mark.parametrize(
+    "damaged",
+    [
+        half,
+        one_byte,
+        without_a_mean,
+        one_array,
+        lambda content: b"",
+        lambda content: b"no archive",
+        lambda content: b"PK\x05\x06" + bytes(18),
+    ],
+)
+def test_a_file_of_something_else_is_refused(tmp_path, damaged):
     path = tmp_path / "statistics.npz"
-    path.write_bytes(content)
+    measured(groups_of(drawn((8, 9), 2), drawn((8, 9), 1)), 1).save(path)
+    path.write_bytes(damaged(path.read_bytes()))
     with pytest.raises(ValueError, match=r"statistics\.npz: no statistics of frames"):
-        ConstantStatistics.load(str(path))
+        ConstantStatistics.load(path)
+
+
+def test_a_file_is_of_certain_facts(tmp_path):
+    path = tmp_path / "statistics.npz"
+    measured(groups_of(drawn((8, 9), 2)), 1).save(path, {"a": "1", "b": "2"})
+    ConstantStatistics.load(path)
+    ConstantStatistics.load(path, {"b": "2", "a": "1"})
+    for facts, name in (
+        ({"a": "1", "b": "3"}, "b"),
+        ({"a": "1"}, "b"),
+        ({"a": "1", "b": "2", "c": "3"}, "c"),
+    ):
+        with pytest.raises(ValueError, match=f"other frames: {name} has changed"):
+            ConstantStatistics.load(path, facts)
 
 
 def test_a_file_of_another_version_is_refused(tmp_path):
@@ -289,7 +344,7 @@ def test_a_file_of_another_version_is_refused(tmp_path):
         str(arrays["about"]).replace(f'"version": {VERSION}', '"version": 0')
     )
     np.savez(path, **arrays)
-    with pytest.raises(ValueError, match=f"of version 0; must be {VERSION}: measure"):
+    with pytest.raises(ValueError, match=f"of version 0; must be {VERSION}: remove"):
         ConstantStatistics.load(path)
 
 

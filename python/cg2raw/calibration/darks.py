@@ -185,7 +185,8 @@ def read_darks(seen: Seen, fit: Fitted, black: NDArray[np.float64]) -> DarkResul
                 spread = dark_spread(rates, 1 / gain.value if gain else 0.0)
         rate = rate_map(seen)
         if rate is not None:
-            unknown = False if seen.counting is None else ~seen.counting
+            excluded = seen.statistics.excluded
+            unknown = False if excluded is None else excluded
             shine = glow(np.where(unknown, np.nan, rate))
     return DarkResults(
         tails=tails_of(seen, repeated[0]) if repeated and not fit.lost else None,
@@ -215,9 +216,10 @@ def rate_map(seen: Seen) -> Map | None:
         return None
     weights = slope.weights.astype(np.float32)
     first, *others = map(int, np.flatnonzero(weights))
-    found: Map = weights[first] * seen.mean_of(first)
+    mean_of = seen.statistics.mean_of
+    found: Map = weights[first] * mean_of(first)
     for g in others:
-        found += weights[g] * seen.mean_of(g)
+        found += weights[g] * mean_of(g)
     return found
 
 

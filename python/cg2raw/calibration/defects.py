@@ -75,9 +75,10 @@ def defects_of(seen: Seen, black: Array) -> Defects:
     shares = {n: np.mean([f.saturated for f in seen.groups[n].frames]) for n in flats}
     least = min(shares.values()) + SAME_CLIPPING
     number = max(n for n in flats if shares[n] <= least)
-    response, dark = seen.mean_of(number), next(iter(seen.shortest), None)
+    mean_of = seen.statistics.mean_of
+    response, dark = mean_of(number), next(iter(seen.shortest), None)
     if dark is not None:
-        response -= seen.mean_of(dark)
+        response -= mean_of(dark)
     else:
         response -= seen.sites.spread(black, response.shape)
     counting = np.ones(response.shape, bool)

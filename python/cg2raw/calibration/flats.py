@@ -189,7 +189,8 @@ def transfer_points(
     however the light falls off. black : (sites,) DN, dark signal included.
 
     darker : points of darker flats, which tell where wells are full."""
-    (variance, error), image = seen.statistics.block_noise(number), seen.mean_of(number)
+    variance, error = seen.statistics.block_noise(number)
+    image = seen.statistics.mean_of(number)
     sites = seen.sites
     means, levels, least = [], [], LEAST_SIGMA * sites.step
     kept = sites.of(seen.known(image))

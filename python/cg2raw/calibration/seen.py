@@ -16,7 +16,7 @@ from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.codes import COARSE, cut_share
 from cg2raw.statistics.constant import ConstantStatistics, GroupInfo
-from cg2raw.statistics.frame_statistics import statistics_and_means
+from cg2raw.statistics.frame_statistics import frame_statistics
 from cg2raw.statistics.temperature import set_points
 
 FEWEST_KEPT = 0.002  # share of a site's pixels below white, of which noise is taken
@@ -24,17 +24,12 @@ FEWEST_KEPT = 0.002  # share of a site's pixels below white, of which noise is t
 
 @dataclass(frozen=True)
 class Seen:
-    """All frames, after the pass over them: darks, shortest first, then flats.
-
-    counting : (H, W) bool, False in defects; None where all pixels count. mean_of :
-    (H, W) float32 DN of a group by its number, without transients."""
+    """All frames, after the pass over them: darks, shortest first, then flats."""
 
     sensor: Sensor
     sites: Sites
-    counting: NDArray[np.bool_] | None
     groups: Sequence[Group]
     statistics: ConstantStatistics
-    mean_of: Callable[[int], NDArray[np.float32]]
 
     @property
     def white(self) -> int:
@@ -85,15 +80,17 @@ class Seen:
         """Return (H, W) DN, the mean image of the frames of groups."""
         frames = self.statistics.frames[list(numbers)]
         shares = (frames / frames.sum()).astype(np.float32)
-        found: NDArray[np.float32] = shares[0] * self.mean_of(numbers[0])
+        mean_of = self.statistics.mean_of
+        found: NDArray[np.float32] = shares[0] * mean_of(numbers[0])
         for number, share in zip(numbers[1:], shares[1:], strict=True):
-            found += share * self.mean_of(number)
+            found += share * mean_of(number)
         return found
 
     def known(self, mean: NDArray[np.float32]) -> NDArray[np.bool_]:
         """Return (H, W), where pixels of a mean image count and are below white."""
         known: NDArray[np.bool_] = mean < self.white
-        return known if self.counting is None else known & self.counting
+        excluded = self.statistics.excluded
+        return known if excluded is None else known & ~excluded
 
     def is_coarse(self, number: int) -> bool:
         """Whether rounding hides the noise of a dark. Source: EMVA 1288, R4.0."""
@@ -119,7 +116,7 @@ def seen_all(
         at = group.exposure_time, group.temperature, split
         info = GroupInfo(group.kind, tuple(frame.name for frame in frames), *at)
         listed.append((info, [frame.pixels for frame in frames]))
-    found, mean_of = statistics_and_means(
+    found = frame_statistics(
         listed,
         sites.side,
         sensor.white_level - sites.step + 1,
@@ -128,7 +125,7 @@ def seen_all(
         threads=threads,
         progress=tell,
     )
-    return Seen(sensor, sites, counting, groups, found, mean_of)
+    return Seen(sensor, sites, groups, found)
 
 
 def splits_of(groups: Sequence[Group]) -> list[str]:

@@ -21,6 +21,7 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 from cg2raw.cli._numbers import whole
+from cg2raw.cli._outputs import check_output
 from cg2raw.system import keep_freed_memory
 
 if TYPE_CHECKING:  # only the work itself loads its modules
@@ -48,6 +49,7 @@ exits with 130, with --exit-code by the verdict.
 examples:
   cg2raw diagnose run captures.yaml -o report/
   cg2raw diagnose run captures.yaml -o report/ --exclude prnu,dsnu --time-limit 30min
+  cg2raw diagnose run captures.yaml -o report/ --statistics captures.npz
 """
 CHECK = """Check the integrity of the captures.
 
@@ -179,6 +181,13 @@ def add_run(parser: argparse.ArgumentParser) -> None:
         metavar="TIME",
         help="ends the work with what is decided: 90s, 10min, 2h (default 10min)",
     )
+    add(
+        "--statistics",
+        metavar="FILE.npz",
+        help="of darks and flats: written if it is not there, else read in place of "
+        "these frames, which must be the same; 4 to 6 bytes a pixel, exposure time or "
+        "level, and split",
+    )
     add("--exit-code", action="store_true", help="the verdict as exit code")
 
 
@@ -247,6 +256,10 @@ def run_diagnosis(arguments: argparse.Namespace) -> int:
     }
     if arguments.max_pixels:
         choice["pixels"] = arguments.max_pixels
+    if (path := arguments.statistics) and not check_output(
+        "--statistics", path, ".npz"
+    ):
+        raise ValueError(f"--statistics {path}: must be a file that ends in .npz")
     check_folder(arguments.output, arguments.overwrite)
     captures = read_captures(arguments.captures)
     found = diagnosed(
@@ -255,6 +268,7 @@ def run_diagnosis(arguments: argparse.Namespace) -> int:
         alpha=arguments.alpha,
         most=arguments.max_effects,
         time_limit=arguments.time_limit,
+        statistics=arguments.statistics,
         **choice,
     )
     names = write_report_folder(found, arguments.output, arguments.overwrite)

@@ -4,18 +4,22 @@
 """Darks and flats: what their statistics name by one model."""
 
 import math
+import os
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.calibration.frames import by_level
-from cg2raw.cfa import repeat_of, sites_of
-from cg2raw.diagnose.captures.capture import Capture, CaptureSet, Group
-from cg2raw.diagnose.captures.splits import GROUPS, third_of_columns
+from cg2raw.cfa import sites_of
+from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.captures.constant_statistics import (
+    saved_statistics,
+    statistics_by_split,
+)
+from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.effects.catalogue import names as every_name
 from cg2raw.diagnose.effects.registry import listed_parameters
 from cg2raw.diagnose.stated_shapes import StatedShapes
@@ -39,10 +43,8 @@ from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.model.values import Value, effect_values
 from cg2raw.sensor import Sensor
 from cg2raw.short_messages import plural
-from cg2raw.statistics.constant import Array, ConstantStatistics, GroupInfo
-from cg2raw.statistics.frame_statistics import statistics_and_means
-from cg2raw.statistics.kept import Kept, Reader
-from cg2raw.statistics.temperature import set_points, warmth_of_readings
+from cg2raw.statistics.constant import Array, ConstantStatistics
+from cg2raw.statistics.temperature import set_points
 
 TRAINING, VALIDATION, TEST = GROUPS
 MOST_LISTED = 20  # lines, by number
@@ -54,8 +56,7 @@ class DarksAndFlats:
     """names : best first. least : nats that a name needs. values : of all that the
     frames show, by training and validation frames together, of which both is the fit.
     statistics : of all splits, of the captures used. profile : (n,) parameters as the
-    profile has them. mean_of : (H, W) DN mean image of a group by its number.
-    excluded : (H, W) samples that count in nothing.
+    profile has them.
     notes : sentences on what was left out. has_noise : whether the profile has. well :
     None where no flat has full ones; flats that have are in no other field. stated :
     shapes that are taken off the statistics; as_taken : those with them."""
@@ -67,8 +68,6 @@ class DarksAndFlats:
     values: Sequence[Value]
     both: Fit
     statistics: ConstantStatistics
-    mean_of: Callable[[int], NDArray[np.float32]]
-    excluded: NDArray[np.bool_] | None
     profile: Array
     used: Sequence[Capture]
     notes: Sequence[str]
@@ -121,12 +120,14 @@ def darks_and_flats(
     alpha: float = 0.01,
     names: Collection[str] | None = None,
     say: Callable[[str, float], None] = lambda text, share: None,
+    saved: str | os.PathLike[str] | None = None,
 ) -> DarksAndFlats:
     """Return what darks and flats of a capture set name.
 
     alpha : chance of a false name. names : which may be named; None for all. say : is
-    called with what is being done and the share that is done. Raises ValueError where
-    their noise is not known."""
+    called with what is being done and the share that is done. saved : a file of
+    saved_statistics. Raises ValueError where their noise is not known, and for a file
+    that is not of them."""
     sensor = captures.sensor
     every = [c for c in captures.captures if is_constant(c)]
     if not every:
@@ -150,15 +151,16 @@ def darks_and_flats(
             "validation are those of one frame."
         )
     least = math.log(len(every_name()) / alpha)  # each name may be false
-    read: Callable[[float], None] = lambda share: say(  # noqa: E731
+    tell: Callable[[float], None] = lambda share: say(  # noqa: E731
         "reading darks and flats", 0.5 * share
     )
-    whole, mean_of, excluded = statistics_by_split(used, sensor, read)
+    read = partial(saved_statistics, saved) if saved else statistics_by_split
+    whole = read(used, sensor, tell)
     well = _well(sensor, iso, whole, least)
     if well is not None:
         used, more = _below(well, whole, used)
         notes += more
-        whole, mean_of, excluded = statistics_by_split(used, sensor, read)
+        whole = statistics_by_split(used, sensor, tell)
     if not any(c.divided for c in used):
         notes += lines_apart(whole, used)
     both = of_splits(whole, (TRAINING, VALIDATION))
@@ -244,8 +246,6 @@ def darks_and_flats(
         values,
         together,
         whole,
-        mean_of,
-        excluded,
         profile,
         used,
         notes,
@@ -376,89 +376,6 @@ def _usual_of(
         return used, []
     frames = plural(count, "frame")
     return used, [f"{frames} of another {what} left out of the darks and flats."]
-
-
-def _light_of(capture: Capture) -> tuple[float, ...]:
-    """Return the radiance of a flat; nothing where it is not known, and of darks."""
-    if not capture.shows.light or capture.scene is None:
-        return ()
-    return tuple(np.ravel(capture.scene()).tolist())
-
-
-def statistics_by_split(
-    captures: Sequence[Capture],
-    sensor: Sensor,
-    progress: Callable[[float], None] | None = None,
-) -> tuple[
-    ConstantStatistics,
-    Callable[[int], NDArray[np.float32]],
-    NDArray[np.bool_] | None,
-]:
-    """Return the statistics of darks and flats, all splits under one mask, what gives
-    the mean image of a group by its number, and samples that count in nothing. Flats of
-    unknown light repeat each other if their levels are alike. Where some are divided by
-    pixels, each split has a third of the columns of all.
-
-    progress : is called with the share that is done."""
-    keys: dict[tuple[object, ...], list[Capture]] = {}
-    for capture in captures:
-        key = (
-            capture.group,
-            capture.kind,
-            capture.exposure_time,
-            _light_of(capture),
-        )
-        keys.setdefault(key, []).append(capture)
-    side, kept = repeat_of(sensor.cfa), Kept()
-    whole = {id(capture): kept.reader(capture.raw) for capture in captures}
-    columns: dict[Group, slice] = {}
-    if any(capture.divided for capture in captures):
-        width = captures[0].shape[1]
-        columns = {group: third_of_columns(width, group, side) for group in GROUPS}
-
-    height, width = (n // side * side for n in captures[0].shape)
-
-    def reader_of(capture: Capture) -> Reader:
-        """Of whole repeats of the CFA, so that all planes are of one size."""
-        own = columns[capture.group] if columns else slice(0, width)
-        if own.stop - own.start == capture.shape[1] and height == capture.shape[0]:
-            return whole[id(capture)]
-        return lambda: np.ascontiguousarray(whole[id(capture)]()[:height, own])
-
-    read = {id(capture): reader_of(capture) for capture in captures}
-    factors, error = warmth_of_readings([capture.temperature for capture in captures])
-    warmth = {id(capture): by for capture, by in zip(captures, factors, strict=True)}
-    groups = []
-    for members in keys.values():
-        parts = [members]
-        if members[0].scene is None:
-            levels = [float(read[id(c)]()[::8, ::8].mean()) for c in members]
-            parts = by_level(members, levels)
-        for part in parts:
-            info = GroupInfo(
-                "flat" if part[0].shows.light else "dark",
-                tuple(capture.name for capture in part),
-                part[0].exposure_time,
-                part[0].temperature,
-                part[0].group,
-                tuple(warmth[id(capture)] for capture in part),
-                error,
-            )
-            groups.append((info, [read[id(capture)] for capture in part]))
-    masks = [capture.mask() for capture in captures if capture.mask is not None]
-    excluded: NDArray[np.bool_] | None = None
-    if masks:
-        counted = np.any(masks, axis=0)[:height, :width]
-        parts_of = columns.values() if columns else [slice(0, width)]
-        excluded = np.any([~counted[:, own] for own in parts_of], axis=0)
-    statistics, mean_of = statistics_and_means(
-        groups,
-        side,
-        sensor.white_level,
-        excluded=excluded,
-        progress=progress,
-    )
-    return statistics, mean_of, excluded
 
 
 def levels_of(

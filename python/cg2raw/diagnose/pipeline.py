@@ -3,6 +3,7 @@
 
 """diagnose(): darks and flats, then scenes and charts, then what both say."""
 
+import os
 import time
 from collections.abc import Callable, Collection
 from dataclasses import replace
@@ -41,6 +42,7 @@ def diagnose(
     pixels: int | None = None,
     details: bool = True,
     time_limit: float | None = None,
+    statistics: str | os.PathLike[str] | None = None,
 ) -> Diagnosis:
     """Find what a sensor's model lacks to explain its captures.
 
@@ -55,9 +57,13 @@ def diagnose(
     details : False for neither pictures, curves nor charts.
     time_limit : seconds from the start, after which nothing more is looked for; the
         report then says so. None for as long as it takes.
+    statistics : an .npz file of those of darks and flats, with their mean images: four
+        bytes a pixel, exposure time or level, and split. It is written if it is not
+        there; else it stands for the frames, whose files must be as they were.
 
     Ctrl-C ends what is decided, not the report. Raises ValueError for captures that
-    cannot be diagnosed. Source: split likelihood-ratio test, see `scenes.selection`."""
+    cannot be diagnosed, and for a file that is not of them; OSError. Source: split
+    likelihood-ratio test, see `scenes.selection`."""
     if not 0 < alpha < 1:
         raise ValueError(f"alpha {alpha} must lie between 0 and 1")
     started = time.monotonic()
@@ -74,6 +80,8 @@ def diagnose(
         say(text, OF_DARKS + (1 - OF_DARKS) * share if constant else share)
 
     constant = [c for c in capture_set.captures if is_constant(c)]
+    if statistics and not constant:
+        raise ValueError(f"{statistics}: statistics are of darks and flats: none here")
     is_all = len(constant) == len(capture_set.captures)
     lit = of_images()
     asked = names & (lit | {"black_level"})
@@ -85,7 +93,7 @@ def diagnose(
         try:
             with raised():
                 own = names if is_all else names - lit
-                seen = darks_and_flats(decided, alpha, own, said)
+                seen = darks_and_flats(decided, alpha, own, said, statistics)
                 free = frozenset() if is_all else lit
                 shown = seen.shown
                 found = diagnosis_of(seen, own, most == 0, free, details)
@@ -93,7 +101,7 @@ def diagnose(
             interrupted = isinstance(ended, KeyboardInterrupt)
             found = unfinished(capture_set, interrupted=interrupted)
         except ValueError as error:
-            if is_all:
+            if is_all or statistics:
                 raise
             notes.append(f"Darks and flats decide nothing: {error}.")
         if found and (is_all or found.verdict == "incomplete"):

@@ -8,9 +8,11 @@ columns are means times the root of how many samples they are of.
 """
 
 import json
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields, replace
-from functools import cached_property
+import os
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
+from functools import cache, cached_property
 from io import BytesIO
 from typing import Any, Literal
 from zipfile import BadZipFile
@@ -23,7 +25,8 @@ from cg2raw.statistics.patterns import Lattice, Spots
 
 Array = NDArray[np.float64]
 
-VERSION = 5  # of saved files
+VERSION = 6  # of saved files
+DAMAGED = (AttributeError, EOFError, KeyError, TypeError, ValueError)  # what they raise
 WHOLE = ("frames", "pairs", "lags", "transients", "overlaps")  # of no plane
 
 # Of a plane, in DN and in DN^2.
@@ -203,8 +206,11 @@ class ConstantStatistics:
     has alone, more than POINT_SIGMAS above the mean of the others or below it, where
     that is as in the surroundings; a hot pixel's noise is none.
     overlaps : (G, G) how many samples, not masked, are beyond 4 sigma in some pair of
-    the one group and in some of the other. rates : of splits whose darks have several
-    exposure times. lattice, spots : whose samples are masked as well; of all flats."""
+    the one group and in some of the other. mean_of : gives the (H, W) DN mean image of
+    a group by its number, without transients, each time a new one. excluded : (H, W)
+    samples that count in nothing; None where all count. rates : of splits whose darks
+    have several exposure times. lattice, spots : whose samples are masked as well; of
+    all flats."""
 
     groups: tuple[GroupInfo, ...]
     planes: tuple[PlaneStatistics, ...]
@@ -214,6 +220,8 @@ class ConstantStatistics:
     white: int
     transients: NDArray[np.int64]
     overlaps: NDArray[np.int64]
+    mean_of: Callable[[int], NDArray[np.float32]] = field(repr=False)
+    excluded: NDArray[np.bool_] | None = field(default=None, repr=False)
     rates: tuple[DarkRates, ...] = ()
     lattice: Lattice | None = None
     spots: Spots | None = None
@@ -235,7 +243,7 @@ class ConstantStatistics:
         at = list(numbers)
         planes = []
         for plane in self.planes:
-            given = {field.name: getattr(plane, field.name) for field in fields(plane)}
+            given = {one.name: getattr(plane, one.name) for one in fields(plane)}
             for name in given.keys() - {"freedom", "masked", "levels", "whole"}:
                 given[name] = given[name][at]
             given["levels"] = tuple(plane.levels[n] for n in at)
@@ -249,6 +257,8 @@ class ConstantStatistics:
             groups=groups,
             planes=tuple(planes),
             white=self.white,
+            mean_of=lambda number: self.mean_of(at[number]),
+            excluded=self.excluded,
             rates=tuple(one for one in self.rates if one.split in splits),
             lattice=self.lattice,
             spots=self.spots,
@@ -316,17 +326,32 @@ class ConstantStatistics:
             level = (plane.level - offset) / step
             one = replace(plane, level=level, levels=levels, codes=codes, **scaled)
             planes.append(one)
-        white = (self.white - offset) // step
-        return replace(self, planes=tuple(planes), white=white, rates=())
+        return replace(
+            self,
+            planes=tuple(planes),
+            white=(self.white - offset) // step,
+            mean_of=lambda n: (self.mean_of(n) - np.float32(offset)) / np.float32(step),
+            rates=(),
+        )
 
-    def save(self, path: str) -> None:
-        """Write all of it to an .npz file, whole or not at all. Raises OSError."""
+    def save(
+        self, path: str | os.PathLike[str], facts: Mapping[str, str] | None = None
+    ) -> None:
+        """Write all of it to an .npz file, whole or not at all: four bytes a pixel and
+        group, and up to half as many more. Raises OSError.
+
+        facts : of what it is measured, in any words, by names of frames."""
         arrays = {name: getattr(self, name) for name in WHOLE}
         about = {
             "version": VERSION,
             "white": self.white,
             "groups": [asdict(group) for group in self.groups],
+            "facts": dict(facts or {}),
         }
+        for number in range(len(self.groups)):
+            arrays[f"mean {number}"] = self.mean_of(number)
+        if self.excluded is not None:
+            arrays["excluded"] = self.excluded
         about["rates"] = [[one.split, one.noise, one.charge] for one in self.rates]
         about["lattice"] = asdict(self.lattice) if self.lattice else None
         about["tried"] = self.spots.tried if self.spots else None
@@ -336,35 +361,55 @@ class ConstantStatistics:
             arrays["rates"] = np.array([one.counts for one in self.rates])
         arrays["about"] = np.array(json.dumps(about))
         for p, plane in enumerate(self.planes):
-            for field in fields(plane):
-                value = getattr(plane, field.name)
-                if field.name == "levels":
+            for one in fields(plane):
+                value = getattr(plane, one.name)
+                if one.name == "levels":
                     value = np.concatenate(value)
-                arrays[f"{p}.{field.name}"] = value
+                arrays[f"{p}.{one.name}"] = value
         room = BytesIO()
-        np.savez_compressed(room, allow_pickle=False, **arrays)
+        np.savez(room, allow_pickle=False, **arrays)
         write_atomically(path, room.getvalue())
 
     @classmethod
-    def load(cls, path: str) -> "ConstantStatistics":
-        """Return what save wrote. Raises OSError, and ValueError for another file."""
+    def load(
+        cls, path: str | os.PathLike[str], facts: Mapping[str, str] | None = None
+    ) -> "ConstantStatistics":
+        """Return what save wrote. Raises OSError, and ValueError for another file, or
+        other facts than it was saved with, where they are given."""
         try:
             with np.load(path, allow_pickle=False) as file:
                 found = {name: file[name] for name in file.files}
             about = json.loads(str(found.pop("about")))
-        except (KeyError, ValueError, BadZipFile, EOFError) as error:
+            if (version := about["version"]) == VERSION:
+                whole = cls._of(found, about)
+        except (*DAMAGED, BadZipFile, zlib.error) as error:
             raise ValueError(f"{path}: no statistics of frames: {error}") from None
-        if about.get("version") != VERSION:
+        if version != VERSION:
             raise ValueError(
-                f"{path}: statistics of version {about.get('version')}; must be "
-                f"{VERSION}: measure the frames again"
+                f"{path}: statistics of version {version}; must be {VERSION}: remove "
+                "the file, and measure the frames again"
             )
+        kept: Mapping[str, str] = about["facts"]
+        facts = kept if facts is None else facts
+        for name in {**kept, **facts}:
+            if kept.get(name) != facts.get(name):
+                raise ValueError(
+                    f"{path}: statistics of other frames: {name} has changed; remove "
+                    "the file, or name another"
+                )
+        return whole
+
+    @classmethod
+    def _of(cls, found: dict[str, Any], about: dict[str, Any]) -> "ConstantStatistics":
+        """Return what arrays of a file say."""
         lists = ("frames", "warmth")
         groups = tuple(
             GroupInfo(**{**one, **{name: tuple(one[name]) for name in lists}})
             for one in about["groups"]
         )
         whole = {name: found.pop(name) for name in WHOLE}
+        whole["excluded"] = found.pop("excluded", None)
+        means = [found.pop(f"mean {number}") for number in range(len(groups))]
         counts = found.pop("rates", ())
         places = found.pop("spots", None)
         rates = tuple(
@@ -386,6 +431,7 @@ class ConstantStatistics:
             groups=groups,
             planes=parts,
             white=int(about["white"]),
+            mean_of=lambda number: means[number].copy(),
             rates=rates,
             lattice=Lattice(**about["lattice"]) if about["lattice"] else None,
             spots=None if places is None else Spots(places, about["tried"]),
@@ -419,13 +465,16 @@ def smooth_images(
     return found
 
 
+@cache
 def polynomials(length: int) -> Array:
     """Return (degrees + 1, length) orthonormal polynomials; fewer than SLOW of a short
     side, which keeps half of its freedom."""
     degree = min(SLOW, (length - 1) // 2)
     along = np.linspace(-1, 1, length) if length > 1 else np.zeros(1)
     found, _ = np.linalg.qr(np.polynomial.legendre.legvander(along, degree))
-    return np.asarray((found * np.sign(found[-1])).T)
+    found = np.asarray((found * np.sign(found[-1])).T)
+    found.flags.writeable = False
+    return found
 
 
 def of_profiles(profiles: Array, low: Array) -> tuple[Array, Array, Array]:

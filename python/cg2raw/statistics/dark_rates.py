@@ -2,7 +2,6 @@
 # Copyright Contributors to the cg2raw Project.
 """How much charge each pixel gathers without light: a histogram of their rates."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,14 +29,8 @@ class Slope:
     charge: float
 
 
-def dark_rates(
-    statistics: ConstantStatistics,
-    mean_of: Callable[[int], NDArray[np.float32]],
-    excluded: NDArray[np.bool_] | None = None,
-) -> tuple[DarkRates, ...]:
-    """Return the rates of each split whose darks have several exposure times.
-
-    mean_of : (H, W) DN of a group. excluded : (H, W), samples that do not count."""
+def dark_rates(statistics: ConstantStatistics) -> tuple[DarkRates, ...]:
+    """Return the rates of each split whose darks have several exposure times."""
     found = []
     side = round(len(statistics.planes) ** 0.5)
     for split in dict.fromkeys(group.split for group in statistics.groups):
@@ -47,7 +40,7 @@ def dark_rates(
         h, w = statistics.planes[0].shape
         rates = [np.zeros(plane.shape, np.float32) for plane in statistics.planes]
         for g in np.flatnonzero(slope.weights):
-            mean = mean_of(int(g))
+            mean = statistics.mean_of(int(g))
             for p, plane in enumerate(statistics.planes):
                 one = slice(g, g + 1)
                 smooth = smooth_images(
@@ -67,8 +60,8 @@ def dark_rates(
         ]
         for p, plane in enumerate(statistics.planes):
             used = ~plane.in_lines
-            if excluded is not None:
-                used &= ~excluded[p // side :: side, p % side :: side]
+            if statistics.excluded is not None:
+                used &= ~statistics.excluded[p // side :: side, p % side :: side]
             scaled = np.clip(rates[p][used] / noises[p], *RATE_EDGES[[0, -1]])
             counts += np.histogram(scaled, RATE_EDGES)[0]
         noise = float(np.sqrt(np.mean(np.square(noises))))

@@ -7,7 +7,6 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +31,7 @@ from cg2raw.statistics.spots import spots_of
 MOST_CUT = 0.01  # of the samples of a plane, at 0 and at white
 
 
-def statistics_and_means(
+def frame_statistics(
     groups: Sequence[tuple[GroupInfo, Sequence[Reader]]],
     side: int,
     white: int,
@@ -42,9 +41,8 @@ def statistics_and_means(
     threads: int = 2,
     progress: Callable[[float], None] | None = None,
     looked: Callable[[int, NDArray[np.uint32]], None] | None = None,
-) -> tuple[ConstantStatistics, Callable[[int], NDArray[np.float32]]]:
-    """Return what groups of frames say, and what gives the (H, W) DN mean image of
-    a group by its number, in which transients are left out.
+) -> ConstantStatistics:
+    """Return what groups of frames say.
 
     groups : frames that repeat each other, and what reads each of them.
     side : samples along the CFA's repeat, 1 of a camera without a CFA. white : DN.
@@ -114,21 +112,12 @@ def statistics_and_means(
         white=white,
         transients=transients,
         overlaps=overlaps,
+        mean_of=seen.mean,
+        excluded=excluded,
         lattice=lattice,
         spots=spots,
     )
-    rates = dark_rates(statistics, seen.mean, excluded)
-    return replace(statistics, rates=rates), seen.mean
-
-
-def frame_statistics(
-    groups: Sequence[tuple[GroupInfo, Sequence[Reader]]],
-    side: int,
-    white: int,
-    **more: Any,
-) -> ConstantStatistics:
-    """Return the statistics alone; see statistics_and_means."""
-    return statistics_and_means(groups, side, white, **more)[0]
+    return replace(statistics, rates=dark_rates(statistics))
 
 
 def _set_apart(

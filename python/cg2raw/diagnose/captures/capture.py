@@ -81,6 +81,7 @@ class Capture:
     mask : () -> (H, W) bool, True where a pixel counts; None where all do.
     log_density : () -> (H, W) float32, nats per pixel that the true model gives; known
         of simulated captures only.
+    digest : of the bytes of its file; "" where there is none.
     divided : it is one of three captures of one frame, a group each by its mask.
     means : of a chart without pixels, in the place of raw and scene; shape is (P, 4).
     """
@@ -100,6 +101,7 @@ class Capture:
     log_density: Callable[[], NDArray[np.float32]] | None = None
     temperature: float | None = None
     means: PatchMeans | None = None
+    digest: str = ""
     divided: bool = False
 
     @property

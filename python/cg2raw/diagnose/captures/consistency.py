@@ -33,11 +33,13 @@ LEAST_SIDE = 4  # pixels of a frame; residuals are seen in cells of so many a si
 SAME_TEMPERATURE = 1.5  # degrees Celsius
 
 
-def check_distinct(entries: Sequence[FrameEntry]) -> None:
-    """Raise ValueError if a file is there twice, by its path or by its content."""
+def digests_of(entries: Sequence[FrameEntry]) -> list[str]:
+    """Return the hash of each file. Raises ValueError if one is there twice, by its
+    path or by its content."""
+    found = [digest(entry.file) for entry in entries]
     seen: dict[str, FrameEntry] = {}
-    for entry in entries:
-        for key in (os.path.realpath(entry.file), digest(entry.file)):
+    for entry, of_file in zip(entries, found, strict=True):
+        for key in (os.path.realpath(entry.file), of_file):
             first = seen.setdefault(key, entry)
             if first is entry:
                 continue
@@ -49,6 +51,7 @@ def check_distinct(entries: Sequence[FrameEntry]) -> None:
                 f'"{entry.file}" {words} that of line {first.at["file"].line}; a frame '
                 "counts once: remove one",
             )
+    return found
 
 
 def digest(path: str) -> str:

@@ -70,7 +70,7 @@ def read_frames(
     manifest = read_manifest(path)
     sensor = sensor or sensor_of(manifest)
     check_nuisances(manifest, sensor)
-    consistency.check_distinct(manifest.frames)
+    digests = consistency.digests_of(manifest.frames)
     files = [file_of(entry, sensor) for entry in manifest.frames]
     shape = consistency.check_sizes(manifest.frames, files, sensor)
     if manifest.mask and shape:
@@ -82,7 +82,7 @@ def read_frames(
     ]
     frames = [
         frame_of(manifest, sensor, *item)
-        for item in zip(manifest.frames, files, names, strict=True)
+        for item in zip(manifest.frames, files, names, digests, strict=True)
     ]
     consistency.check_settings(frames)
     notes = together(said)
@@ -124,7 +124,12 @@ def file_of(entry: FrameEntry, sensor: Sensor) -> RawFile:
 
 
 def frame_of(
-    manifest: Manifest, sensor: Sensor, entry: FrameEntry, file: RawFile, name: str
+    manifest: Manifest,
+    sensor: Sensor,
+    entry: FrameEntry,
+    file: RawFile,
+    name: str,
+    digest: str,
 ) -> Frame:
     """Return one frame. Raises ValueError at its line."""
     header = file.header
@@ -147,6 +152,7 @@ def frame_of(
         temperature=(
             header.temperature if entry.temperature is None else entry.temperature
         ),
+        digest=f"{digest} {entry.image or ''}",
     )
     if capture.means is not None:
         return Frame(entry, header, capture, ())

@@ -9,27 +9,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.calibration.darks import (
-    DarkResults,
-    dark_current,
-    dark_spread,
-    offset_map,
-    rate_map,
-)
-from cg2raw.calibration.fitting import Fitted, lost_of, of_all, with_levels
+from cg2raw.calibration.darks import DarkResults, read_darks
+from cg2raw.calibration.fitting import Fitted, lost_of, with_levels
 from cg2raw.calibration.flats import Light, light_of
 from cg2raw.calibration.frames import SAME_LEVEL
 from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import sites_of
-from cg2raw.calibration.structure import bias_structure, glow
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.darks_and_flats import DarksAndFlats, of_splits
 from cg2raw.model.figures import Figure, figures_of
 from cg2raw.statistics.dark_rates import dark_rates
 from cg2raw.statistics.frame_statistics import MOST_CUT
-
-OF_RATES = frozenset({"dark_current", "dark_current_nonuniformity"})
 
 
 def measurements_of(found: DarksAndFlats, wanted: Collection[str]) -> Measurements:
@@ -51,7 +42,9 @@ def measurements_of(found: DarksAndFlats, wanted: Collection[str]) -> Measuremen
         ),
     )
     black = measured.black
-    darks = _darks(seen, fit, black, wanted) if seen.darks else DarkResults()
+    darks = read_darks(seen, fit, black)
+    if "amplifier_glow" not in wanted:  # no glow is taken off the dark current
+        darks = replace(darks, glow=None)
     light = _light(seen, black, darks) if "lens_shading" in wanted else None
     return replace(measured, **vars(darks), light=light)
 
@@ -70,47 +63,15 @@ def _figures(found: DarksAndFlats, wanted: Collection[str]) -> list[Figure]:
 def _seen(found: DarksAndFlats) -> Seen:
     """Return training and validation frames as one set of darks and flats."""
     both = of_splits(found.as_taken or found.statistics, GROUPS[:2])
-    infos = found.statistics.groups
-    numbers = [g for g, info in enumerate(infos) if info.split in GROUPS[:2]]
-    time = {n: infos[g].exposure_time or 0.0 for n, g in enumerate(numbers)}
-    order = sorted(time, key=lambda n: (infos[numbers[n]].kind, time[n]))
+    order = sorted(
+        range(len(both.groups)),
+        key=lambda n: (both.groups[n].kind, both.groups[n].exposure_time or 0.0),
+    )
     both = both.only(order)
     groups = tuple(replace(info, split="") for info in both.groups)
-    sensor, excluded = found.captures.sensor, found.excluded
-    return Seen(
-        sensor,
-        sites_of(sensor),
-        None if excluded is None else ~excluded,
-        (),
-        replace(both, groups=groups, rates=()),
-        lambda n: found.mean_of(numbers[order[n]]),
-    )
-
-
-def _darks(
-    seen: Seen, fit: Fitted, black: NDArray[np.float64], wanted: Collection[str]
-) -> DarkResults:
-    """Return what is wanted of darks. black : (sites,) DN."""
-    spread, rate, shine = None, None, None
-    if fit.lost != "cut" and OF_RATES & set(wanted):
-        gain = of_all(fit.figures, "gain")
-        excluded = None if seen.counting is None else ~seen.counting
-        for rates in dark_rates(seen.statistics, seen.mean_of, excluded):
-            spread = dark_spread(rates, 1 / gain.value if gain else 0.0)
-    if fit.lost != "cut" and {"amplifier_glow", "lens_shading"} & set(wanted):
-        rate = rate_map(seen)
-    if rate is not None and "amplifier_glow" in wanted:
-        unknown = False if seen.counting is None else ~seen.counting
-        shine = glow(np.where(unknown, np.nan, rate))
-    is_structured = "bias_structure" in wanted and not fit.lost
-    return DarkResults(
-        structure=bias_structure(seen) if is_structured else None,
-        dark=dark_current(seen, fit, spread, float(black.mean())),
-        spread=spread,
-        glow=shine,
-        offset=offset_map(seen, black),
-        rate=rate,
-    )
+    both = replace(both, groups=groups)
+    sensor = found.captures.sensor
+    return Seen(sensor, sites_of(sensor), (), replace(both, rates=dark_rates(both)))
 
 
 def _light(seen: Seen, black: NDArray[np.float64], darks: DarkResults) -> Light | None:
