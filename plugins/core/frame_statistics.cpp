@@ -231,43 +231,95 @@ void FrameStatistics::measure(int group, const Plane<const std::uint16_t>& frame
     add_pair(group, frame, *other, sums, others, parallel);
 }
 
-/// A frame whose masked samples are the group's mean, at the level of the frame.
-std::vector<PlaneSums>
+namespace {
+
+/// What rows and columns of a plane's frame are above those of its group's mean image,
+/// by the samples that are not masked.
+struct LineShifts {
+    std::vector<double> rows, columns;
+};
+
+/// @p raw, @p filled: of masked samples, in the frame's sums and in those of the mean
+/// image.
+LineShifts shifts_of(const PlaneParts& plane, const std::vector<std::uint32_t>& samples,
+                     const PlaneSums& frame, const PlaneSums& mean,
+                     const std::vector<double>& raw, const std::vector<double>& filled)
+{
+    const auto width = std::uint32_t(plane.width());
+    std::vector<double> left_in_rows(std::size_t(plane.height()), plane.width());
+    std::vector<double> left_in_columns(width, plane.height());
+    LineShifts shifts { frame.rows, frame.columns };
+    double all = frame.sum - mean.sum;
+    for (std::size_t y = 0; y < shifts.rows.size(); ++y)
+        shifts.rows[y] -= mean.rows[y];
+    for (std::size_t x = 0; x < width; ++x)
+        shifts.columns[x] -= mean.columns[x];
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const double more = raw[i] - filled[i];
+        const std::size_t y = samples[i] / width, x = samples[i] % width;
+        all -= more;
+        shifts.rows[y] -= more;
+        shifts.columns[x] -= more;
+        --left_in_rows[y];
+        --left_in_columns[x];
+    }
+    all /= plane.samples() - double(samples.size());
+    double rows = 0.0;
+    for (std::size_t y = 0; y < shifts.rows.size(); ++y) {
+        double& shift = shifts.rows[y];
+        shift = left_in_rows[y] > 0.0 ? shift / left_in_rows[y] : all;
+        rows += shift;
+    }
+    for (double& shift : shifts.columns)
+        shift -= rows;
+    for (const std::uint32_t at : samples)
+        shifts.columns[at % width] += shifts.rows[at / width];
+    for (std::size_t x = 0; x < width; ++x) {
+        double& shift = shifts.columns[x];
+        shift = left_in_columns[x] > 0.0 ? shift / left_in_columns[x] : 0.0;
+    }
+    return shifts;
+}
+
+} // namespace
+
+/// A frame whose masked samples are the group's mean, as much above it as the frame's
+/// rows and columns are.
+std::vector<FrameStatistics::Filled>
 FrameStatistics::filled_sums(int group, const Plane<const std::uint16_t>& frame,
                              const ParallelFor& parallel) const
 {
     const Look& look = m_looks[std::size_t(group)];
     const GroupSums& of_group = m_groups[std::size_t(group)];
-    auto sums = sums_of(frame, m_planes, look.base, parallel);
+    std::vector<Filled> found;
+    for (PlaneSums& sums : sums_of(frame, m_planes, look.base, parallel))
+        found.push_back({ std::move(sums), {} });
     parallel(int(m_planes.size()), [&](int p) {
         const auto number = std::size_t(p);
         const PlaneParts& plane = m_planes[number];
         const auto& samples = m_masks[number].samples;
         const auto width = std::uint32_t(plane.width());
-        const auto value = [&](std::uint32_t at) {
-            const Site site = plane.site(int(at / width), int(at % width));
-            return frame(site) - look.base[number];
-        };
-        double raw = 0.0, filled = 0.0;
+        auto& [sums, masked] = found[number];
+        std::vector<double> raw;
+        raw.reserve(samples.size());
+        for (const std::uint32_t at : samples)
+            raw.push_back(frame(plane.site(int(at / width), int(at % width)))
+                          - look.base[number]);
+        masked = look.filled[number];
+        const LineShifts shifts = shifts_of(plane, samples, sums,
+                                            of_group.planes[number].mean, raw, masked);
         for (std::size_t i = 0; i < samples.size(); ++i) {
-            raw += value(samples[i]);
-            filled += look.filled[number][i];
+            const std::size_t y = samples[i] / width, x = samples[i] % width;
+            masked[i] += shifts.rows[y] + shifts.columns[x];
+            sums.replace(plane, int(y), int(x), raw[i], masked[i]);
         }
-        const double left = plane.samples() - double(samples.size());
-        const double shift
-            = (sums[number].sum - raw - (of_group.planes[number].mean.sum - filled))
-            / left;
-        for (std::size_t i = 0; i < samples.size(); ++i)
-            sums[number].replace(plane, int(samples[i] / width),
-                                 int(samples[i] % width), value(samples[i]),
-                                 look.filled[number][i] + shift);
-        sums[number].set_field(plane);
+        sums.set_field(plane);
     });
-    return sums;
+    return found;
 }
 
 void FrameStatistics::add_frame(int group, const Plane<const std::uint16_t>& frame,
-                                const std::vector<PlaneSums>& sums)
+                                const std::vector<Filled>& planes)
 {
     add_transients(group, frame);
     GroupSums& of_group = m_groups[std::size_t(group)];
@@ -275,13 +327,12 @@ void FrameStatistics::add_frame(int group, const Plane<const std::uint16_t>& fra
         const PlaneParts& plane = m_planes[p];
         PlaneOfGroup& to = of_group.planes[p];
         const double samples = plane.samples();
-        to.levels.push_back(m_looks[std::size_t(group)].base[p]
-                            + sums[p].sum / samples);
-        PlaneSums rest = sums[p];
+        const PlaneSums& sums = planes[p].sums;
+        to.levels.push_back(m_looks[std::size_t(group)].base[p] + sums.sum / samples);
+        PlaneSums rest = sums;
         rest -= to.mean;
         // Over all frames, what is squared about the mean is squares less the mean's.
-        double pixel
-            = sums[p].squares - to.mean.squares - rest.sum * rest.sum / samples;
+        double pixel = sums.squares - to.mean.squares - rest.sum * rest.sum / samples;
         const PartSquares squares = squares_of_parts(plane, rest);
         for (std::size_t part = 0; part + 1 < part_count; ++part) {
             to.scatter[part] += squares[part];
@@ -345,29 +396,31 @@ std::vector<double> squares_of(const Plane<const std::uint16_t>& a,
 
 void FrameStatistics::add_pair(int group, const Plane<const std::uint16_t>& a,
                                const Plane<const std::uint16_t>& b,
-                               const std::vector<PlaneSums>& sums_a,
-                               const std::vector<PlaneSums>& sums_b,
+                               const std::vector<Filled>& filled_a,
+                               const std::vector<Filled>& filled_b,
                                const ParallelFor& parallel)
 {
     GroupSums& of_group = m_groups[std::size_t(group)];
     const auto side = std::size_t(m_side);
     auto squares = squares_of(a, b, m_planes, parallel);
-    std::vector<PlaneSums> rest(sums_a);
+    std::vector<PlaneSums> rest;
+    rest.reserve(m_planes.size()); // those that are smooth refer to it
     std::vector<float> inverse;
     std::vector<SmoothRows> smooth;
     std::vector<std::vector<std::uint8_t>> blocks; // of each column
     for (std::size_t p = 0; p < m_planes.size(); ++p) {
         const PlaneParts& plane = m_planes[p];
-        rest[p] -= sums_b[p];
+        rest.push_back(filled_a[p].sums);
+        rest[p] -= filled_b[p].sums;
         const auto width = std::uint32_t(plane.width());
         const auto& samples = m_masks[p].samples;
-        for (const std::uint32_t at : samples) {
-            const Site site = plane.site(int(at / width), int(at % width));
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const Site site
+                = plane.site(int(samples[i] / width), int(samples[i] % width));
             const double value = double(a(site)) - double(b(site));
-            squares[p] -= value * value;
+            const double fill = filled_a[p].masked[i] - filled_b[p].masked[i];
+            squares[p] += fill * fill - value * value;
         }
-        const double masked = rest[p].sum / plane.samples(); // fills differ by levels
-        squares[p] += masked * masked * double(samples.size());
         double pixel = squares[p] - rest[p].sum * rest[p].sum / plane.samples();
         for (const double square : squares_of_parts(plane, rest[p]))
             pixel -= square;

@@ -11,6 +11,7 @@ from cg2raw.model.fit import fit, start_of
 from cg2raw.model.likelihood import Likelihood
 from cg2raw.model.planes import less_of, unshared
 from cg2raw.statistics.constant import GroupInfo
+from cg2raw.statistics.frame_statistics import frame_statistics
 from model.planted import planted
 from oracles.plain_statistics import plain_statistics
 
@@ -198,3 +199,27 @@ def test_frames_of_a_few_pixels_are_refused():
         ValueError, match="has 3 x 2 samples, fewer than noise is known"
     ):
         fit(plain_statistics([(info, frames)], 2, 4095))
+
+
+def test_rows_that_move_are_none_of_the_noise_of_pixels_beside_masked_ones():
+    """One sample in eight does not count, and rows move by as much as pixels do."""
+    rng = np.random.default_rng(11)
+    shape, sigma, of_rows = (160, 120), 4.0, 4.0
+    counted = rng.random(shape) > 1 / 8
+
+    def frame():
+        rows = of_rows * rng.standard_normal((shape[0], 1))
+        return np.rint(300 + rows + sigma * rng.standard_normal(shape)).astype(
+            np.uint16
+        )
+
+    frames = [frame() for _ in range(8)]
+    info = GroupInfo("dark", tuple(map(str, range(8))), 0.1)
+    statistics = frame_statistics(
+        [(info, [lambda f=f: f for f in frames])], 1, 4095, excluded=~counted
+    )
+    found = fit(statistics)
+    for name, truth in (("read_noise", sigma**2), ("row_noise", of_rows**2)):
+        value, error = found.of(name)
+        assert abs(value - truth) < 3 * error, name
+        assert error < 0.1 * truth

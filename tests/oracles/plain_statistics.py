@@ -323,16 +323,23 @@ def nearest(lost):
 
 
 def without(frames, mask):
-    """Return frames whose masked samples are the filled mean, at the frame's level."""
+    """Return frames whose masked samples are the filled mean, as much above it as the
+    frame's rows and columns are."""
     mean = filled(frames.mean(axis=0), mask)
-    good = ~mask
-    offsets = [
-        frame[good].mean() - mean[good].mean() if good.any() else 0.0
-        for frame in frames
-    ]
     return np.array(
         [
-            np.where(mask, mean + offset, frame)
-            for frame, offset in zip(frames, offsets, strict=True)
+            np.where(mask, mean + shifts_of(frame - mean, mask), frame)
+            for frame in frames
         ]
     )
+
+
+def shifts_of(rest, mask):
+    """Return (h, w), what rows and columns have of what is not masked."""
+    good = ~mask
+    kept = np.where(mask, 0.0, rest)
+    whole = kept.sum() / max(good.sum(), 1)
+    in_rows, in_columns = good.sum(axis=1), good.sum(axis=0)
+    rows = np.where(in_rows, kept.sum(axis=1) / np.maximum(in_rows, 1), whole)[:, None]
+    columns = (kept - rows * good).sum(axis=0) / np.maximum(in_columns, 1)
+    return rows + columns

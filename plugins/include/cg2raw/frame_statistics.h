@@ -123,19 +123,24 @@ private:
         std::vector<Transient> transients; ///< that no frame was found to have
     };
 
+    /// Sums of one plane of a frame whose masked samples are filled in, less base.
+    struct Filled {
+        PlaneSums sums;
+        std::vector<double> masked;
+    };
+
     void check_size(const Plane<const std::uint16_t>& frame) const;
     void finish_look(const ParallelFor& parallel);
     void mark_outliers(int group, const ParallelFor& parallel);
     void add_frame(int group, const Plane<const std::uint16_t>& frame,
-                   const std::vector<PlaneSums>& sums);
+                   const std::vector<Filled>& planes);
     void add_transients(int group, const Plane<const std::uint16_t>& frame);
-    std::vector<PlaneSums> filled_sums(int group,
-                                       const Plane<const std::uint16_t>& frame,
-                                       const ParallelFor& parallel) const;
+    std::vector<Filled> filled_sums(int group, const Plane<const std::uint16_t>& frame,
+                                    const ParallelFor& parallel) const;
     void add_pair(int group, const Plane<const std::uint16_t>& a,
                   const Plane<const std::uint16_t>& b,
-                  const std::vector<PlaneSums>& sums_a,
-                  const std::vector<PlaneSums>& sums_b, const ParallelFor& parallel);
+                  const std::vector<Filled>& filled_a,
+                  const std::vector<Filled>& filled_b, const ParallelFor& parallel);
     Plane<const std::uint32_t> sum_of(int group) const;
 
     Size m_size;

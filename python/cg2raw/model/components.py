@@ -91,6 +91,8 @@ TEMPORAL = (
     *_structure("lamp", "light", parts=("slow", "field")),
     *_structure("mains_flicker", "light", "line", ("slow_rows", "fast_rows")),
 )
+# Of these, what every camera and lamp may do: no finding, and nothing unexplained.
+FREE = ("drift", "lamp")
 # The same in every frame. Those with spaces have no name of their own among effects.
 PATTERNS = (
     Component("dsnu", ALL),

@@ -11,9 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from cg2raw.model.components import (
+    COLUMNS,
     EVEN_ACROSS,
     EVEN_DOWN,
     FIXED,
+    ROWS,
     TEMPORAL,
     Component,
 )
@@ -65,7 +67,14 @@ class PlaneLikelihood:
         self.side = side = round(len(statistics.planes) ** 0.5)
         self.multiplicity = [c.multiplicity(*plane.shape) for c in TEMPORAL]
         again = np.maximum(self.frames - 1, 1)[:, None]
-        self.scatter = plane.scatter / np.maximum(plane.freedom, 1) / again
+        # Means of lines are of the samples that are left, and freedom is less by those.
+        left = np.array(
+            [
+                plane.left_in(n) if ROWS[n] or COLUMNS[n] else 1.0
+                for n in range(len(PARTS))
+            ]
+        )
+        self.scatter = plane.scatter / np.maximum(plane.freedom, 1) / again * left**2
         self.products = plane.products / np.maximum(plane.freedom, 1)[:, None, None]
         single = self.measured & ~self.repeats
         if single.any():
@@ -82,7 +91,7 @@ class PlaneLikelihood:
         sizes = [len(v) * np.prod(v, axis=0) * v[-1] ** (2 - len(v)) for v in vectors]
         # (K, G, 8), of one unit of a component in a coefficient of a frame.
         self.sizes = np.array(sizes[: len(TEMPORAL)])[:, :, None]
-        self.sizes = self.sizes * np.array(self.multiplicity)[:, None]
+        self.sizes = self.sizes * np.array(self.multiplicity)[:, None] * left
         self.fixed_sizes = np.array(sizes[len(TEMPORAL) :])[:, :, None]
         fixed = [c.multiplicity(*plane.shape) for c in FIXED]
         self.fixed_sizes = self.fixed_sizes * np.array(fixed)[:, None]

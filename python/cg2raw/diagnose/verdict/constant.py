@@ -37,6 +37,7 @@ from cg2raw.diagnose.verdict.unexplained import (
     unnamed_tests,
 )
 from cg2raw.diagnose.verdict.values import values_of
+from cg2raw.model.components import FREE
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit, refitted
 from cg2raw.model.flat_levels import CHANGES
@@ -182,7 +183,8 @@ def _by_split(statistics: ConstantStatistics) -> Mapping[str, list[str]]:
 
 
 def _fit_of(found: DarksAndFlats, chosen: Sequence[str]) -> Fit:
-    """Return the fit of what is named; all else is as the profile has it."""
+    """Return the fit of what is named, and of what is free; all else is as the profile
+    has it."""
     names = found.both.parameters.names
     beginnings = [name.partition(",")[0] for name in names]
     stated = {entry["name"] for entry in found.captures.sensor.effects or ()}
@@ -190,7 +192,7 @@ def _fit_of(found: DarksAndFlats, chosen: Sequence[str]) -> Fit:
     moving = [other for one in (*chosen, *stated) for other in MOVES.get(one, ())]
     chosen = [*chosen, *moving]
     parameters = [p for name in chosen for p in NAMES.get(name, ())]
-    free = np.isin(beginnings, parameters)
+    free = np.isin(beginnings, [*parameters, *FREE])
     free &= np.isfinite(np.diagonal(found.both.covariance))
     start = np.where(free, found.both.theta, found.profile)
     return refitted(found.both.likelihood, start, free)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtri, erfc, ndtr
+from scipy.special import chdtri, erfc, log_ndtr, ndtr
 
 from cg2raw.model.figures import NORMAL, Figure
 from cg2raw.model.recorded import FINE, differences
@@ -105,7 +105,7 @@ def _beyond_noise(step: float) -> float:
     noise of 1 is added."""
     if step <= 0:
         return 1.0
-    tail = np.exp(1 / (2 * step**2) - NOISY / step) * ndtr(NOISY - 1 / step)
+    tail = np.exp(1 / (2 * step**2) - NOISY / step + log_ndtr(NOISY - 1 / step))
     return float(tail + ndtr(-NOISY))
 
 
