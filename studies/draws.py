@@ -6,12 +6,13 @@ A draw has a training set of each source, first weights and order of its own. Ea
 of test frames, and each set of renders, has an entry of its own in results.json."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
 from studies.cameras import Camera
+from studies.fingerprint import MadeBy, limited, made_by, torch_version
 from studies.learners.translation_store import translator_for
 from studies.results import (
     Results,
@@ -19,7 +20,6 @@ from studies.results import (
     appended,
     draws_of,
     entry_of,
-    torch_version,
     write_results,
 )
 from studies.sources.exposures import by_exposure
@@ -47,6 +47,20 @@ class Learned:
     translated: bool = True  # if PyTorch is there
     more_tests: Callable[[World, Camera, str], TestSets] | None = None
     leds: bool = True  # whether lights of training may be LEDs
+
+    def tables(self, study: str) -> list[str]:
+        """Return the tables of the protocol that the study of that name is given."""
+        found = {study, self.frames, *(["translation"] if self.translated else [])}
+        return sorted(found)
+
+    def described(self) -> dict[str, Any]:
+        """Return what tells it from other studies of the same code."""
+        functions = {
+            "draw": self.draw.__name__,
+            "sources": self.sources.__name__,
+            "tests": self.test_frames.__name__,
+        }
+        return {**functions, "kind": self.kind, "leds": self.leds}
 
 
 def by_day(
@@ -99,6 +113,8 @@ class Run:
     say: Callable[[str], None]
     renders: Renders | None = None  # of a folder, in place of the world's
     judge: Callable[[str], Frames] | None = None  # frames of a camera by another hand
+    # Hashes of the folders that entries are made of, by RENDERS and JUDGE.
+    folders: Mapping[str, str] = field(default_factory=dict)
 
 
 def entry_name(study: str, tests: str, run: Run) -> str:
@@ -109,15 +125,34 @@ def entry_name(study: str, tests: str, run: Run) -> str:
     return ", ".join(parts)
 
 
+def made_by_of(run: Run, study: str, name: str) -> MadeBy:
+    """Return what an entry of a study depends on. name : of the entry."""
+    learned = LEARNED[study]
+    given_by = (learned.draw, learned.sources, learned.test_frames)
+    modules = {function.__module__ for function in given_by}
+    modules |= {translator_for.__module__} if learned.translated else set()
+    found = made_by(
+        run.world,
+        run.mode,
+        learned.tables(study),
+        modules,
+        (sources_of, material_of),
+    )
+    folders = {of: h for of, h in run.folders.items() if of in name.split(", ")}
+    return {**found, "study": learned.described(), "folders": folders}
+
+
 def go_on(run: Run, study: str, camera: Camera) -> None:
     """Run those draws of a study that its entries lack; each is written when done."""
     learned = LEARNED[study]
+    run = replace(run, world=limited(run.world, learned.tables(study)))
     tests = {TESTS: learned.test_frames(run.world, camera, run.mode)}
     if learned.more_tests is not None:
         tests |= learned.more_tests(run.world, camera, run.mode)
     if run.judge is not None and learned.kind == "night":
         tests[JUDGE] = captured(run.judge(camera.id))
     names = {of: entry_name(study, of, run) for of in tests}
+    made = {name: made_by_of(run, study, name) for name in names.values()}
     draws = getattr(run.world.protocol, study).draws[run.mode]
     first = min(
         draws_of(entry_of(run.results, camera, name)) for name in names.values()
@@ -131,7 +166,8 @@ def go_on(run: Run, study: str, camera: Camera) -> None:
         draw = Draw(run.world, camera, run.mode, seed, run.folder)
         found = learned.draw(draw, sources_of(run, learned, draw), missing)
         for of, values in found.items():
-            add(run.results, camera, names[of], appended(entries[of], values))
+            name = names[of]
+            add(run.results, camera, name, appended(entries[of], values), made[name])
         write_results(run.folder, run.results)
         left = (monotonic() - start) / (seed + 1 - first) * (draws - seed - 1)
         run.say(f"{study}, {camera.id}: draw {seed + 1} of {draws}, {left:.0f} s left")

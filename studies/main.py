@@ -12,18 +12,18 @@ from typing import Any
 
 from studies.cameras import FILES, NUS, Camera, known_camera, own_camera
 from studies.docs_page import write_page
-from studies.draws import JUDGE, LEARNED, RENDERS, Run, go_on
+from studies.draws import JUDGE, LEARNED, RENDERS, Run, go_on, made_by_of
 from studies.figures.files import figures_of_results, figures_of_world, write_figures
+from studies.fingerprint import MadeBy, limited, made_by, need_pinned
 from studies.mitsuba_judge.folder import PATTERN, judge_frames
 from studies.places import LUXPY_VARIABLE, data_folder, files_hash, luxpy_folder
 from studies.protocol import PROTOCOL
 from studies.results import (
+    Results,
     add,
-    fingerprint,
-    need_pinned,
+    others,
     read_results,
     set_aside,
-    use,
     write_results,
 )
 from studies.sources.renders import read_renders
@@ -158,27 +158,43 @@ def prepared(given: argparse.Namespace, luxpy: Path | None) -> Run:
             raise ValueError(said)
         warn(said)
     world = load_world(luxpy, PROTOCOL)
-    expected = {**fingerprint(world), "mode": given.mode}
-    results, differs = read_results(given.out, expected)
-    if differs:
-        kept = set_aside(given.out)
-        warn(f"earlier results differ in {', '.join(differs)}: they are in {kept} now")
-    run = Run(world, given.mode, results, given.out, warn)
+    run = Run(world, given.mode, read_results(given.out), given.out, warn)
+    folders = {}
     if given.renders is not None:
         renders = read_renders(given.renders, PROTOCOL.scene)
         run = replace(run, renders=renders)
-        note_use(run, RENDERS, renders.digest, given.renders)
+        folders[RENDERS] = renders.digest
     if given.judge is not None:
         run = replace(run, judge=partial(judge_frames, given.judge))
-        digest = files_hash(sorted(given.judge.glob(PATTERN)))
-        note_use(run, JUDGE, digest, given.judge)
-    return run
+        folders[JUDGE] = files_hash(sorted(given.judge.glob(PATTERN)))
+    return replace(run, folders=folders)
 
 
-def note_use(run: Run, what: str, digest: str, folder: Path) -> None:
-    """Note the hash of a folder that entries are made of."""
-    if use(run.results, what, digest):
-        warn(f"{folder}: has changed: earlier results of {what} are left out")
+def made_by_in(run: Run, study: str, entry: str) -> MadeBy:
+    """Return what an entry of any study would be made by in a run."""
+    if study in LEARNED:
+        return made_by_of(run, study, entry)
+    module = f"studies.tasks.{study}"
+    return made_by(run.world, run.mode, [study], [module], [MEASURED[study]])
+
+
+def without_others(run: Run, studies: list[str]) -> Results:
+    """Return the results of a run less those that its studies would make otherwise now.
+
+    The file that has them is kept under another name."""
+    differs = {}
+    for name in run.results:
+        study, _, made_of = name.partition(", ")
+        parts = set(made_of.split(", ")) & {RENDERS, JUDGE}
+        if study in studies and parts <= set(run.folders):
+            if found := others(run.results, name, made_by_in(run, study, name)):
+                differs[name] = found
+    if not differs:
+        return run.results
+    kept = set_aside(run.folder)
+    said = "; ".join(f"{name} in {', '.join(of)}" for name, of in differs.items())
+    warn(f"earlier results differ: {said}: they are in {kept} now")
+    return {name: of for name, of in run.results.items() if name not in differs}
 
 
 def run(given: argparse.Namespace) -> str:
@@ -187,17 +203,19 @@ def run(given: argparse.Namespace) -> str:
     luxpy, data = luxpy_folder(given.luxpy), data_folder(given.data)
     names = asked(given.studies, given.mode)
     prepared_run = prepared(given, luxpy)
-    world, results = prepared_run.world, prepared_run.results
+    results = without_others(prepared_run, names)
+    prepared_run = replace(prepared_run, results=results)
+    world = prepared_run.world
     for name in names:
         for camera in cameras(given, data, name):
             if name in LEARNED:
                 go_on(prepared_run, name, camera)
                 continue
-            entry = MEASURED[name](world, camera, given.mode)
+            entry = MEASURED[name](limited(world, [name]), camera, given.mode)
             if entry is None:
                 warn(f"{name}: {camera.id} has no grey cards of NUS: left out")
                 continue
-            add(results, camera, name, entry)
+            add(results, camera, name, entry, made_by_in(prepared_run, name, name))
             write_results(given.out, results)
     given.out.mkdir(parents=True, exist_ok=True)
     made = summaries(results)

@@ -1,155 +1,92 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""results.json: every frame of every study, and what it was measured with."""
+"""results.json: every frame of every study, each study with what it was made by."""
 
-import hashlib
 import json
 import os
 import platform
-from dataclasses import asdict
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import cg2raw
-from cg2raw import _core
 from studies.cameras import Camera
+from studies.fingerprint import MadeBy, hashed
 from studies.places import files_hash
-from studies.world.shots import World, array_hash
+from studies.world.shots import array_hash
 
-FOLDER = Path(__file__).parent
-ROOMS = ("world", "sources", "learners", "tasks")
 FILE = "results.json"
-REQUIREMENTS = FOLDER / "requirements-evidence.txt"
-Results = dict[str, Any]
-
-
-def fingerprint(world: World) -> dict[str, str]:
-    """Return what numbers of one table must have in common."""
-    sources = [FOLDER / name for name in ("cameras.py", "protocol.py", "protocol.toml")]
-    for room in ROOMS:
-        sources += sorted((FOLDER / room).rglob("*.py"))
-    seeds = ", ".join(f"{k} {v}" for k, v in asdict(world.protocol.seeds).items())
-    return {
-        "cg2raw": cg2raw.__version__,
-        "core": files_hash([Path(_core.__file__)]),
-        "packages": ", ".join(
-            f"{name} {version}" for name, version in installed().items() if version
-        ),
-        "seeds": seeds,
-        "studies": files_hash(sources),
-        **world.hashes(),
-    }
-
-
-def pinned() -> dict[str, str]:
-    """Return the version of each package that the studies are run with."""
-    lines = REQUIREMENTS.read_text().splitlines()
-    pairs = (line.split("==") for line in lines if not line.startswith("#"))
-    return {name.strip(): version.strip() for name, version in pairs}
-
-
-def installed() -> dict[str, str | None]:
-    """Return the installed version of each of pinned(), None of what is missing."""
-    found: dict[str, str | None] = {}
-    for name in pinned():
-        try:
-            found[name] = metadata.version(name).partition("+")[0]
-        except metadata.PackageNotFoundError:
-            found[name] = None
-    return found
-
-
-def need_pinned() -> None:
-    """Raise ValueError for a package of another version than pinned()."""
-    versions = installed()
-    for name, version in pinned().items():
-        if versions[name] not in (version, None):
-            raise ValueError(
-                f"{name} {versions[name]} is installed, and numbers are of {version} "
-                f"(studies/{REQUIREMENTS.name}): ./scripts/evidence installs it"
-            )
+# {study's entry: {"made by": MadeBy, "cameras": {id: {"hash": str, "entry": numbers}}}}
+Results = dict[str, dict[str, Any]]
 
 
 def host() -> str:
-    """Return the machine and the system that numbers were made on."""
+    """Return the machine and the system that numbers are made on."""
     return (
         f"{platform.machine()}, {platform.system()}, Python {platform.python_version()}"
     )
 
 
-def torch_version() -> str | None:
-    """Return PyTorch's version, None without it: then some sources are missing."""
-    return installed()["torch"]
-
-
 def camera_hash(camera: Camera) -> str:
-    """Return the hash of a camera's profile and sensitivities."""
-    digest = hashlib.sha256(camera.sensor.to_json().encode())
-    digest.update(array_hash([camera.sensitivities]).encode())
-    return digest.hexdigest()[:16]
+    """Return the hash of a camera's profile, sensitivities and grey cards."""
+    cards = camera.cards
+    arrays = [camera.sensitivities, cards.neutrals, cards.sensitivities]
+    return hashed(camera.sensor.to_json() + array_hash(arrays))
 
 
-def read_results(folder: Path, expected: dict[str, str]) -> tuple[Results, list[str]]:
-    """Return (what a folder holds of the same fingerprint, what differs otherwise).
-
-    Numbers of another fingerprint are left out: no table mixes two versions. Raises
-    ValueError for a file that is not of this study."""
+def read_results(folder: Path) -> Results:
+    """Return what a folder holds. Raises ValueError for a file that is not of this
+    command."""
     path = folder / FILE
-    empty: Results = {"fingerprint": expected, "cameras": {}}
     if not path.exists():
-        return empty, []
+        return {}
     try:
-        found = json.loads(path.read_text())
-        before = dict(found["fingerprint"])
-        cameras = dict(found["cameras"])
-    except (ValueError, KeyError, TypeError) as error:
-        raise ValueError(f"{path}: is no file of this study: {error}") from None
-    names = sorted({*before, *expected})
-    differs = [name for name in names if before.get(name) != expected.get(name)]
-    return (empty, differs) if differs else ({**found, "cameras": cameras}, [])
+        found = json.loads(path.read_text())["studies"]
+        return {
+            name: {"made by": dict(of["made by"]), "cameras": dict(of["cameras"])}
+            for name, of in found.items()
+        }
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ValueError(
+            f"{path}: is no file of this study: {error!r}; another --out starts afresh"
+        ) from None
+
+
+def others(results: Results, name: str, made_by: MadeBy) -> list[str]:
+    """Return in what an entry was made otherwise, [] if there is none.
+
+    A JSON file has lists where settings have tuples."""
+    if name not in results:
+        return []
+    both = results[name]["made by"], made_by
+    before, now = (json.loads(json.dumps(found)) for found in both)
+    keys = sorted({*before, *now} - {"host"})
+    return [key for key in keys if before.get(key) != now.get(key)]
 
 
 def set_aside(folder: Path) -> Path:
-    """Rename results of another fingerprint, so that no run writes over them.
-
-    Return the new path."""
+    """Keep a copy of results of which some are about to be dropped. Return its path."""
     path = folder / FILE
     kept = path.with_name(f"{path.stem}-{files_hash([path])}{path.suffix}")
-    path.rename(kept)
+    kept.write_bytes(path.read_bytes())
     return kept
 
 
-def add(results: Results, camera: Camera, study: str, entry: Any) -> None:
-    """Put a study's entry of a camera into results, in place of an earlier one.
+def add(
+    results: Results, camera: Camera, name: str, entry: Any, made_by: MadeBy
+) -> None:
+    """Put an entry of a camera into results, in place of an earlier one.
 
-    What was measured with another profile or other sensitivities is dropped."""
-    own, cameras = camera_hash(camera), results["cameras"]
-    if cameras.get(camera.id, {}).get("hash") != own:
-        cameras[camera.id] = {"hash": own, "studies": {}}
-    cameras[camera.id]["studies"][study] = entry
-
-
-def entry_of(results: Results, camera: Camera, study: str) -> Any:
-    """Return a study's entry of a camera, {} if there is none of this very camera."""
-    found = results["cameras"].get(camera.id, {})
-    if found.get("hash") != camera_hash(camera):
-        return {}
-    return found["studies"].get(study, {})
+    What was made otherwise is dropped: no entry mixes two versions."""
+    if others(results, name, made_by):
+        del results[name]
+    made_here = {**made_by, "host": host()}
+    study = results.setdefault(name, {"made by": made_here, "cameras": {}})
+    study["cameras"][camera.id] = {"hash": camera_hash(camera), "entry": entry}
 
 
-def use(results: Results, what: str, digest: str) -> bool:
-    """Note the hash of what some studies were made of, whose entries end with its name.
-
-    Return whether such entries were dropped, since they had another."""
-    before = results.setdefault("made of", {}).get(what, digest)
-    results["made of"][what] = digest
-    if before == digest:
-        return False
-    for found in results["cameras"].values():
-        kept = {s: e for s, e in found["studies"].items() if what not in s.split(", ")}
-        found["studies"] = kept
-    return True
+def entry_of(results: Results, camera: Camera, name: str) -> Any:
+    """Return the entry of a camera, {} if there is none of this very camera."""
+    found = results.get(name, {"cameras": {}})["cameras"].get(camera.id, {})
+    return found["entry"] if found.get("hash") == camera_hash(camera) else {}
 
 
 def draws_of(entry: Any) -> int:
@@ -171,7 +108,7 @@ def appended(entry: Any, values: Any) -> Any:
 def write_results(folder: Path, results: Results) -> None:
     """Write results.json, whole or not at all; the same numbers are the same bytes."""
     folder.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(results, indent=1, sort_keys=True)
+    text = json.dumps({"studies": results}, indent=1, sort_keys=True)
     part = folder / f"{FILE}.part"
     part.write_text(text + "\n")
     os.replace(part, folder / FILE)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from studies.places import ROOT
-from studies.results import Results, draws_of, host
+from studies.results import Results, draws_of
 from studies.tasks.angles import Summary, summary
 
 COMMITTED = ROOT / "docs" / "evidence.json"
@@ -29,18 +29,18 @@ Summaries = dict[str, dict[str, Any]]  # study's entry: "made by", "cameras"
 
 def summaries(results: Results) -> Summaries:
     """Return the Summaries of all entries of results."""
-    found: Summaries = {}
-    for camera, of_camera in results["cameras"].items():
-        for name, entry in of_camera["studies"].items():
-            made_by = {
-                **results["fingerprint"],
-                "host": host(),
-                "renders": results.get("made of", {}),
-            }
-            study = found.setdefault(name, {"made by": made_by, "cameras": {}})
-            kept = entry if name.partition(",")[0] in UNREDUCED else reduced(entry)
-            study["cameras"][camera] = kept
-    return found
+    return {
+        name: {
+            "made by": study["made by"],
+            "cameras": {
+                camera: kept["entry"]
+                if name.partition(",")[0] in UNREDUCED
+                else reduced(kept["entry"])
+                for camera, kept in study["cameras"].items()
+            },
+        }
+        for name, study in results.items()
+    }
 
 
 def reduced(entry: Any) -> Any:

@@ -23,6 +23,7 @@ from studies.world.shots import KINDS
 LIGHTS = (*BY_KELVIN, LEDS)
 DRAWN = ("ours, measured lights", "ours, mixture of lights")
 FAMILIES = (TESTS, "real", "ours", "upi", "no matrix", "translation")
+SHARED = ("core", "packages", "seeds", "world", "lights")  # by entries of one table
 TABLES_OF: dict[str, Callable[[Any], str]] = {
     "illuminant": illuminant_tables,
     "denoising": partial(night_tables, title="Denoising"),
@@ -65,9 +66,20 @@ def more_tables(results: Summaries) -> Iterator[tuple[str, str]]:
         for study in ("light_draws", "held_out_leds")
     )
     if by_light:
-        yield "light_draws", light_tables(by_light, held_out)
-    if once and longer:
+        alike = {
+            of: e
+            for of, e in held_out.items()
+            if made_alike(results, f"light_draws, {of}", f"held_out_leds, {of}")
+        }
+        yield "light_draws", light_tables(by_light, alike)
+    if once and longer and made_alike(results, "illuminant", "longer"):
         yield "illuminant", longer_tables(once, longer)
+
+
+def made_alike(results: Summaries, *names: str) -> bool:
+    """Return whether entries of two studies were made by the same of all SHARED."""
+    one, other = (results[name]["made by"] for name in names)
+    return all(one.get(key) == other.get(key) for key in SHARED)
 
 
 def entries_of(results: Summaries, study: str) -> list[tuple[str, str]]:

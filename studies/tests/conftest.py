@@ -102,18 +102,21 @@ def gains(seed):
 @pytest.fixture(scope="session")
 def planted():
     """Return results of what is learnt whose gaps to real are known, and those gaps."""
-    cameras = {
-        camera: {
-            "hash": "planted",
-            "studies": {
-                "illuminant": errors(seed),
-                "isp": {goal: measures(seed) for goal in GOALS},
-                "denoising": {condition: gains(seed) for condition in CONDITIONS},
+    entries = {
+        "illuminant": errors,
+        "isp": lambda seed: {goal: measures(seed) for goal in GOALS},
+        "denoising": lambda seed: {condition: gains(seed) for condition in CONDITIONS},
+    }
+    results = {
+        study: {
+            "made by": {"seeds": "real 1", "host": "planted"},
+            "cameras": {
+                camera: {"hash": "planted", "entry": entry(seed)}
+                for seed, camera in enumerate(CAMERAS)
             },
         }
-        for seed, camera in enumerate(CAMERAS)
+        for study, entry in entries.items()
     }
-    results = {"fingerprint": {}, "cameras": cameras}
     from studies.summaries import summaries
 
     return SimpleNamespace(

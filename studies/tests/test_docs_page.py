@@ -96,15 +96,28 @@ def test_a_page_that_differs_from_the_committed_results_is_found(page):
     assert name in differing(page, without)
 
 
-def planted_studies(planted, studies):
-    """Return the Summaries of one camera's studies of planted results."""
+def of_first_camera(planted):
+    """Return {study: entry} of planted results."""
+    camera = planted.cameras[0]
+    return {s: of["cameras"][camera]["entry"] for s, of in planted.results.items()}
+
+
+def planted_studies(planted, studies, **made_by):
+    """Return the Summaries of one camera's studies. made_by : {study: made by}."""
     name = planted.cameras[0]
-    cameras = {name: {"studies": studies}}
-    return summaries({"fingerprint": {}, "cameras": cameras})
+    return summaries(
+        {
+            study: {
+                "made by": made_by.get(study, {}),
+                "cameras": {name: {"entry": entry}},
+            }
+            for study, entry in studies.items()
+        }
+    )
 
 
 def test_tables_of_other_renders_say_so_and_stand_below(planted):
-    isp = next(iter(planted.results["cameras"].values()))["studies"]["isp"]
+    isp = of_first_camera(planted)["isp"]
     both = {"isp, night renders": isp, "isp": isp}
     tables = tables_by_study(planted_studies(planted, both), 0.1)
     heads = [line for line in tables["isp"].splitlines() if line.startswith("###")]
@@ -113,7 +126,7 @@ def test_tables_of_other_renders_say_so_and_stand_below(planted):
 
 
 def test_longer_training_stands_below_its_study(planted):
-    studies = next(iter(planted.results["cameras"].values()))["studies"]
+    studies = of_first_camera(planted)
     few = ("real", "ours, dng", "upi, graphics2raw")
     longer = {source: studies["illuminant"][source] for source in few}
     found = planted_studies(planted, studies | {"longer": longer})
@@ -124,10 +137,14 @@ def test_longer_training_stands_below_its_study(planted):
     for row in rows:
         before, after = row.split("|")[2].split(";")
         assert before.strip() == after.strip()
+    other = planted_studies(
+        planted, studies | {"longer": longer}, longer={"core": "another"}
+    )
+    assert "long enough?" not in tables_by_study(other, 0.1)["illuminant"]
 
 
 def test_an_entry_of_one_draw_waits_for_the_second(planted):
-    studies = next(iter(planted.results["cameras"].values()))["studies"]
+    studies = of_first_camera(planted)
     errors = {source: e[:1] for source, e in studies["illuminant"].items()}
     found = planted_studies(planted, {"illuminant": errors})
     assert tables_by_study(found, 0.1) == {}

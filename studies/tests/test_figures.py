@@ -65,9 +65,7 @@ def test_no_two_sources_look_alike(planted):
 def test_curves_have_a_panel_a_camera_and_every_source(entries, planted, drawn_on):
     found = entries["illuminant"]
     figure = drawn_on(illuminant_curves, illuminant_curves.illuminant_curves, found)
-    assert [axes.get_title() for axes in figure.axes] == sorted(
-        planted.results["cameras"]
-    )
+    assert [axes.get_title() for axes in figure.axes] == sorted(planted.cameras)
     assert [text.get_text() for text in figure.legends[0].get_texts()] == list(
         entries["illuminant"]["sony-a7s-ii"]
     )
@@ -89,9 +87,7 @@ def test_bars_are_the_gaps_that_were_planted(entries, planted, drawn_on):
         *(f"denoising, {c}" for c in planted.conditions),
     ]
     for part in figure.subfigs:
-        assert [axes.get_title() for axes in part.axes] == list(
-            sorted(planted.results["cameras"])
-        )
+        assert [axes.get_title() for axes in part.axes] == list(sorted(planted.cameras))
         names = [label.get_text() for label in part.axes[0].get_yticklabels()]
         assert sorted(names) == sorted(set(planted.sources) - {"real"})
         for axes in part.axes:

@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import pytest
 
+from studies import fingerprint
 from studies import main as command
-from studies import results as command_results
 from studies.places import data_folder, luxpy_folder
 from studies.protocol import FILE, PROTOCOL, read_protocol
 
@@ -120,8 +120,8 @@ def short(monkeypatch):
 def test_another_version_of_a_package_is_said_in_one_line(
     monkeypatch, tmp_path, capsys
 ):
-    found = {**command_results.installed(), "numpy": "1.0.0"}
-    monkeypatch.setattr(command_results, "installed", lambda: found)
+    found = {**fingerprint.installed(), "numpy": "1.0.0"}
+    monkeypatch.setattr(fingerprint, "installed", lambda: found)
     assert command.main(["colour", "-o", str(tmp_path)]) == 1
     error = capsys.readouterr().err
     assert error.count("\n") == 1 and "numpy 1.0.0 is installed" in error
@@ -138,9 +138,8 @@ def test_a_small_run_of_all_studies(camera_data, repository, tmp_path):
     if "cannot be installed" in done.stderr and not os.environ.get("CI"):
         pytest.skip(done.stderr.strip())
     assert done.returncode == 0, done.stderr
-    found = json.loads((tmp_path / "results.json").read_text())["cameras"]
-    studies = {name for camera in found.values() for name in camera["studies"]}
-    assert studies == set(command.STUDIES)
+    found = json.loads((tmp_path / "results.json").read_text())["studies"]
+    assert {name.partition(", ")[0] for name in found} == set(command.STUDIES)
     tables = (tmp_path / "tables.md").read_text()
     assert "| ours, match - upi, match |" in tables
 
@@ -159,16 +158,16 @@ def test_one_camera_from_end_to_end(short, camera_data, tmp_path, capsys):
     bytes_before = (tmp_path / "results.json").read_bytes()
     assert run("classical", "colour", "--cameras", "nikon-d40").out == first
     assert (tmp_path / "results.json").read_bytes() == bytes_before
-    found = json.loads(bytes_before)["cameras"]["nikon-d40"]["studies"]
-    assert len(found["colour"]["day"]["ours, dng"]["degrees"]) == 4
-    # A second camera joins the tables; another mode starts afresh, and says so.
+    found = json.loads(bytes_before)["studies"]["colour"]["cameras"]["nikon-d40"]
+    assert len(found["entry"]["day"]["ours, dng"]["degrees"]) == 4
+    # A second camera joins the tables; another mode of a study starts that one afresh.
     both = run("colour", "--cameras", "sony-a7s-ii").out
     assert "| day | nikon-d40 | sony-a7s-ii |" in both
     other = run("classical", "--cameras", "nikon-d40", "--full")
-    assert "earlier results differ in mode: they are in" in other.err
+    assert "earlier results differ: classical in mode: they are in" in other.err
     (kept,) = tmp_path.glob("results-*.json")
-    assert "colour" in json.loads(kept.read_text())["cameras"]["sony-a7s-ii"]["studies"]
-    assert "Colour" not in other.out
+    assert set(json.loads(kept.read_text())["studies"]) == {"classical", "colour"}
+    assert "Colour" in other.out
 
 
 def test_a_camera_of_ones_own(short, camera_data, tmp_path, capsys):

@@ -10,20 +10,18 @@ from dataclasses import replace
 import pytest
 
 from studies import results as results_module
+from studies.fingerprint import pinned
 from studies.results import (
     add,
     camera_hash,
     entry_of,
-    fingerprint,
-    installed,
-    need_pinned,
-    pinned,
+    others,
     read_results,
-    use,
+    set_aside,
     write_results,
 )
 
-OWN = {"cg2raw": "1", "core": "a"}
+OWN = {"core": "a", "settings": {"colour": {"dark": (0.1, 0.2)}}}
 
 
 @pytest.fixture
@@ -32,53 +30,43 @@ def camera(camera_of):
 
 
 def test_results_are_kept_and_added_to(tmp_path, camera):
-    results, differs = read_results(tmp_path, OWN)
-    assert differs == [] and results["cameras"] == {}
-    add(results, camera, "colour", {"a": [1.0]})
+    results = read_results(tmp_path)
+    assert results == {}
+    add(results, camera, "colour", {"a": [1.0]}, OWN)
     write_results(tmp_path, results)
-    again, differs = read_results(tmp_path, OWN)
-    assert differs == []
-    add(again, camera, "classical", {"b": [2.0]})
+    again = read_results(tmp_path)
+    assert others(again, "colour", OWN) == others(again, "classical", OWN) == []
+    add(again, camera, "classical", {"b": [2.0]}, {"core": "another"})
     assert entry_of(again, camera, "colour") == {"a": [1.0]}
     assert entry_of(again, camera, "classical") == {"b": [2.0]}
 
 
-@pytest.mark.parametrize("other", [{"cg2raw": "2", "core": "a"}, {"cg2raw": "1"}])
-def test_another_version_is_left_out_and_named(other, tmp_path, camera):
-    results, _ = read_results(tmp_path, OWN)
-    add(results, camera, "colour", {})
+def test_what_was_made_otherwise_is_named_and_never_mixed(tmp_path, camera, camera_of):
+    results = {}
+    add(results, camera, "colour", {"a": [1.0]}, OWN)
+    add(results, camera, "isp", {"a": [1.0]}, OWN)
     write_results(tmp_path, results)
-    found, differs = read_results(tmp_path, other)
-    assert found["cameras"] == {} and len(differs) == 1
-
-
-def test_another_profile_of_the_same_name_is_another_camera(tmp_path, camera):
-    results, _ = read_results(tmp_path, OWN)
-    add(results, camera, "colour", {"a": 1})
-    measured = replace(camera.measured, rgb=camera.measured.rgb * 0.5)
-    changed = replace(camera, measured=measured)
-    assert camera_hash(changed) != camera_hash(camera)
-    add(results, changed, "classical", {"b": 1})
+    kept = set_aside(tmp_path)
+    assert kept.read_bytes() == (tmp_path / "results.json").read_bytes()
+    other = {**OWN, "core": "b"}
+    assert others(results, "colour", other) == ["core"]
+    second = camera_of("nikon-d40")
+    add(results, second, "colour", {"a": [2.0]}, other)
     assert entry_of(results, camera, "colour") == {}
+    assert entry_of(results, second, "colour") == {"a": [2.0]}
+    assert entry_of(results, camera, "isp") == {"a": [1.0]}
 
 
-def test_the_entry_of_another_profile_is_none(tmp_path, camera):
-    results, _ = read_results(tmp_path, OWN)
+def test_another_camera_of_the_same_name_has_no_entry(camera):
+    results = {}
     assert entry_of(results, camera, "isp") == {}
-    add(results, camera, "isp", {"real": [[1.0]]})
+    add(results, camera, "isp", {"real": [[1.0]]}, OWN)
     assert entry_of(results, camera, "isp") == {"real": [[1.0]]}
     measured = replace(camera.measured, rgb=camera.measured.rgb * 0.5)
-    assert entry_of(results, replace(camera, measured=measured), "isp") == {}
-
-
-def test_what_other_renders_made_is_dropped(tmp_path, camera):
-    results, _ = read_results(tmp_path, OWN)
-    assert not use(results, "night renders", "a")
-    for name in ("isp", "isp, night renders", "isp, night renders, Mitsuba's frames"):
-        add(results, camera, name, {"real": [[1.0]]})
-    assert not use(results, "night renders", "a")
-    assert use(results, "night renders", "b")
-    assert list(results["cameras"]["canon-600d"]["studies"]) == ["isp"]
+    cards = replace(camera.cards, neutrals=camera.cards.neutrals * 0.5)
+    for other in (replace(camera, measured=measured), replace(camera, cards=cards)):
+        assert camera_hash(other) != camera_hash(camera)
+        assert entry_of(results, other, "isp") == {}
 
 
 def test_the_same_numbers_are_the_same_bytes(tmp_path):
@@ -101,27 +89,6 @@ def test_results_are_whole_if_writing_is_interrupted(tmp_path, monkeypatch):
     assert (tmp_path / "results.json").read_bytes() == before
 
 
-def test_results_of_other_seeds_are_left_out_and_named(tmp_path, camera, world):
-    seeds = replace(world.protocol.seeds, real=7)
-    other = replace(world, protocol=replace(world.protocol, seeds=seeds))
-    results, _ = read_results(tmp_path, fingerprint(world))
-    add(results, camera, "colour", {})
-    write_results(tmp_path, results)
-    found, differs = read_results(tmp_path, fingerprint(other))
-    assert differs == ["seeds"] and found["cameras"] == {}
-
-
-def test_a_package_of_another_version_is_refused_in_one_line(monkeypatch):
-    need_pinned()
-    other = {**installed(), "scipy": "1.0.0"}
-    monkeypatch.setattr(results_module, "installed", lambda: other)
-    with pytest.raises(
-        ValueError, match=r"scipy 1\.0\.0 .* ./scripts/evidence"
-    ) as said:
-        need_pinned()
-    assert "\n" not in str(said.value)
-
-
 def test_all_that_studies_import_is_pinned(repository):
     """By their names of distributions; cg2raw and its own modules are built here."""
     own = {"cg2raw", "oracles", "studies", "mitsuba", "bpy", "PIL", "mathutils"}
@@ -139,8 +106,8 @@ def test_all_that_studies_import_is_pinned(repository):
     assert "torch" in outside
 
 
-@pytest.mark.parametrize("text", ["", "{}", "[1]", json.dumps({"fingerprint": 1})])
+@pytest.mark.parametrize("text", ["", "{}", "[1]", json.dumps({"studies": {"a": 1}})])
 def test_a_file_of_something_else_is_refused(text, tmp_path):
     (tmp_path / "results.json").write_text(text)
     with pytest.raises(ValueError, match="is no file of this study"):
-        read_results(tmp_path, OWN)
+        read_results(tmp_path)

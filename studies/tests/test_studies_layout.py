@@ -24,6 +24,7 @@ ROOMS = (
     "tasks",
     "mitsuba_judge.report",
     "mitsuba_judge.main",
+    "fingerprint",
     "results",
     "summaries",
     "tables",
