@@ -174,11 +174,15 @@ def go_on(run: Run, study: str, camera: Camera) -> None:
 
 
 def sources_of(run: Run, learned: Learned, draw: Draw) -> Sources:
-    """Return the sources of a draw; those of translation only with PyTorch."""
+    """Return the sources of a draw; those of translation only with PyTorch, of the
+    cameras that the protocol names."""
     found = material_of(run, learned, draw.camera, draw.seed)
     if not learned.translated or torch_version() is None:
         return learned.sources(found, draw.camera, draw.seed)
-    seed = draw.seed % run.world.protocol.translation.translators[run.mode]
+    rules = run.world.protocol.translation
+    if draw.camera.id not in rules.trained_for:
+        return learned.sources(found, draw.camera, draw.seed)
+    seed = draw.seed % rules.translators[run.mode]
     seen = found
     if seed != draw.seed:
         seen = material_of(run, learned, draw.camera, seed)

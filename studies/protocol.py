@@ -250,6 +250,7 @@ class ContentRules:
 class TranslationRules:
     """How renders are made like balanced RAW, unpaired."""
 
+    trained_for: tuple[str, ...]
     translators: dict[str, int]
     steps: dict[str, int]
     record: int

@@ -5,6 +5,7 @@ sources that differ in one thing."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -70,15 +71,23 @@ def means_of(
 ) -> list[list[str]]:
     """Return a row for each source, of all measures in one cell a camera."""
 
-    def cell(kept: Mapping[str, Kept]) -> str:
+    def cell(kept: Mapping[str, Kept] | None) -> str:
+        if kept is None:
+            return ""
         return "; ".join(
             f"{np.mean(kept[name]['seeds'], axis=0)[0]:.{MEASURES[name].digits}f}"
             for name in measures
         )
 
     return [
-        [source, *(cell(camera[source]) for camera in cameras)] for source in cameras[0]
+        [source, *(cell(camera.get(source)) for camera in cameras)]
+        for source in all_of(cameras)
     ]
+
+
+def all_of(cameras: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return the sources that one camera has at least, those of the most first."""
+    return list(dict.fromkeys(s for of in sorted(cameras, key=len)[::-1] for s in of))
 
 
 def differences(
@@ -89,8 +98,9 @@ def differences(
         {source: measures[measure] for source, measures in camera.items()}
         for camera in cameras
     ]
-    pairs = [(source, REAL) for source in values[0] if source != REAL]
-    pairs += [pair for pair in PAIRS if set(pair) <= set(values[0])]
+    there = all_of(values)
+    pairs = [(source, REAL) for source in there if source != REAL]
+    pairs += [pair for pair in PAIRS if set(pair) <= set(there)]
     how = MEASURES[measure]
     if how.more_is_better:
         return gain_rows(pairs, values, how.digits)

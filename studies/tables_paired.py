@@ -2,7 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Rows of paired differences, which all studies of what is learnt have."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from studies.tasks.paired import Difference, Values, difference, means
 
@@ -45,21 +45,30 @@ def error_rows(
     pairs: Iterable[tuple[str, str]], cameras: Sequence[BySource]
 ) -> list[list[str]]:
     """Return a row for each pair of sources: of errors, one cell for each camera."""
-    return [
-        [f"{one} - {other}"]
-        + [of_errors(difference(values[one], values[other])) for values in cameras]
-        for one, other in pairs
-    ]
+    return rows(pairs, cameras, lambda one, other: of_errors(difference(one, other)))
 
 
 def gain_rows(
     pairs: Iterable[tuple[str, str]], cameras: Sequence[BySource], digits: int
 ) -> list[list[str]]:
     """Return the same of a measure of which more is better, so many digits."""
+    return rows(
+        pairs,
+        cameras,
+        lambda one, other: of_gains(difference(other, one), digits),
+    )
+
+
+def rows(
+    pairs: Iterable[tuple[str, str]],
+    cameras: Sequence[BySource],
+    cell: Callable[[Values, Values], str],
+) -> list[list[str]]:
+    """Return a row for each pair, a cell empty of a camera that lacks one of it."""
     return [
         [f"{one} - {other}"]
         + [
-            of_gains(difference(values[other], values[one]), digits)
+            cell(values[one], values[other]) if {one, other} <= set(values) else ""
             for values in cameras
         ]
         for one, other in pairs
