@@ -26,6 +26,8 @@ STUDIES = (
     "illuminant",
     "light_draws",
     "denoising",
+    "files",
+    "photographs",
     "denoising_unet",
     "isp",
     "isp_unet",
@@ -40,6 +42,8 @@ FIGURES = {  # what a reader without pictures is told, by section
     "translation": "Distance of translated renders from captures of the camera during "
     "training, of each translator; dotted that of the camera's own training frames",
     "illuminant": "Share of test frames below each angular error, one line a source",
+    "light": "Mean error by the colour temperature of the main light and under LED "
+    "lamps, a line a source, with standard errors; hollow: no LEDs in training",
     "night": "Test frames at ISO 1600, to the left, and 3200: the goal, what is not "
     "denoised, and what is denoised and developed as each source teaches",
     "isp": "The goal, the input, and pictures by neural ISPs; below them how far each "
@@ -49,6 +53,7 @@ FIGURES = {  # what a reader without pictures is told, by section
 OF = {  # studies, of any of which a figure is; the others are of the world
     "gap": ("illuminant", "denoising", "isp"),
     "illuminant": ("illuminant",),
+    "light": ("light_draws",),
     "isp": ("isp",),
 }
 

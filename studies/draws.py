@@ -14,6 +14,7 @@ from typing import Any
 from studies.cameras import Camera
 from studies.fingerprint import MadeBy, limited, made_by, torch_version
 from studies.learners.translation_store import translator_for
+from studies.places import files_hash
 from studies.results import (
     Results,
     add,
@@ -24,9 +25,10 @@ from studies.results import (
 )
 from studies.sources.exposures import by_exposure
 from studies.sources.frames import Frames, TestSets, captured
+from studies.sources.mosaics import by_file
 from studies.sources.renders import Renders
 from studies.sources.sets import Draw, Material, Sources, few, material, sources
-from studies.tasks import content, denoising, illuminant, isp
+from studies.tasks import content, denoising, illuminant, isp, mosaics
 from studies.world.shots import World, lit_by
 
 TESTS = "world"  # test frames of the world
@@ -47,6 +49,7 @@ class Learned:
     translated: bool = True  # if PyTorch is there
     more_tests: Callable[[World, Camera, str], TestSets] | None = None
     leds: bool = True  # whether lights of training may be LEDs
+    files: Callable[[], list[Path]] = list  # of camera data, beside those of cameras
 
     def tables(self, study: str) -> list[str]:
         """Return the tables of the protocol that the study of that name is given."""
@@ -86,6 +89,22 @@ LEARNED = {
     ),
     "denoising": Learned(
         "denoising", "night", denoising.test_frames, denoising.denoising_draw
+    ),
+    "files": Learned(
+        "denoising",
+        "night",
+        denoising.test_frames,
+        mosaics.files_draw,
+        by_file,
+        translated=False,
+    ),
+    "photographs": Learned(
+        "denoising",
+        "night",
+        mosaics.test_photographs,
+        mosaics.photographs_draw,
+        translated=False,
+        files=mosaics.files,
     ),
     "denoising_unet": Learned(
         "denoising",
@@ -139,7 +158,10 @@ def made_by_of(run: Run, study: str, name: str) -> MadeBy:
         (sources_of, material_of),
     )
     folders = {of: h for of, h in run.folders.items() if of in name.split(", ")}
-    return {**found, "study": learned.described(), "folders": folders}
+    found |= {"study": learned.described(), "folders": folders}
+    if files := learned.files():
+        found["files"] = files_hash(files)
+    return found
 
 
 def go_on(run: Run, study: str, camera: Camera) -> None:

@@ -194,6 +194,27 @@ class DenoisingRules:
 
 
 @dataclass(frozen=True)
+class FilesRules:
+    """Study 2 of DNGs that the plugin wrote."""
+
+    cameras: dict[str, list[str]]
+    draws: dict[str, int]
+    sources: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class PhotographsRules:
+    """Study 2 on photographs."""
+
+    cameras: dict[str, list[str]]
+    draws: dict[str, int]
+    sources: tuple[str, ...]
+    bin: int
+    size: int
+    crops: int
+
+
+@dataclass(frozen=True)
 class UnetRules:
     """A U-net, and what is learnt by it."""
 
@@ -286,6 +307,8 @@ class Protocol:
     light_draws: LightDrawsRules
     held_out_leds: HeldOutLedsRules
     denoising: DenoisingRules
+    files: FilesRules
+    photographs: PhotographsRules
     denoising_unet: DenoisingUnetRules
     isp: IspRules
     isp_unet: IspUnetRules

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from studies.sources.exposures import EXPOSURES, MATCH
+from studies.sources.mosaics import ARRAYS, FILES
 from studies.tables import table
 from studies.tables_paired import REAL, error_rows, extent, gain_rows
 from studies.tasks.paired import Kept
@@ -39,6 +40,8 @@ PAIRS = (
     ("ours, match", "no matrix, match"),
     ("ours, match", "translation, our lights"),
     ("ours, match", "ours, match, world's scenes"),
+    (FILES, ARRAYS),
+    ("ours, match", ARRAYS),
 )
 
 

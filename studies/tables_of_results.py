@@ -20,13 +20,17 @@ from studies.tasks.content import TESTS
 from studies.tasks.illuminant import BY_KELVIN, LEDS
 from studies.world.shots import KINDS
 
+ByLight = dict[str, dict[str, Any]]  # lights: camera: errors
 LIGHTS = (*BY_KELVIN, LEDS)
 DRAWN = ("ours, measured lights", "ours, mixture of lights")
 FAMILIES = (TESTS, "real", "ours", "upi", "no matrix", "translation")
 SHARED = ("core", "packages", "seeds", "world", "lights")  # by entries of one table
+SETTINGS = ("frames", "epochs", "samples", "features", "steps", "width")
 TABLES_OF: dict[str, Callable[[Any], str]] = {
     "illuminant": illuminant_tables,
     "denoising": partial(night_tables, title="Denoising"),
+    "files": partial(night_tables, title="Denoising, the full path by files"),
+    "photographs": partial(night_tables, title="Denoising of photographs"),
     "denoising_unet": partial(night_tables, title="Denoising by U-net"),
     "isp": partial(night_tables, title="Neural ISP"),
     "isp_unet": partial(night_tables, title="Neural ISP by U-net"),
@@ -45,7 +49,7 @@ def tables_by_study(results: Summaries, within: float) -> dict[str, str]:
         found["colour"] = both_kinds(colour)
     for study, tables_of in TABLES_OF.items():
         parts = [
-            titled(tables_of(ready(results, name)), made_of)
+            titled(tables_of(ready(results, name)), made_of, results[name]["made by"])
             for name, made_of in entries_of(results, study)
         ]
         if parts:
@@ -60,25 +64,32 @@ def more_tables(results: Summaries) -> Iterator[tuple[str, str]]:
     studies = ("illuminant", "light_draws", "longer")
     once, drawn, longer = (ready(results, study) for study in studies)
     if drawn:
-        yield "light_draws", illuminant_tables(drawn, DRAWN, "How lights are drawn")
-    by_light, held_out = (
-        {of: found for of in LIGHTS if (found := ready(results, f"{study}, {of}"))}
-        for study in ("light_draws", "held_out_leds")
-    )
-    if by_light:
-        alike = {
-            of: e
-            for of, e in held_out.items()
-            if made_alike(results, f"light_draws, {of}", f"held_out_leds, {of}")
-        }
-        yield "light_draws", light_tables(by_light, alike)
+        tables = illuminant_tables(drawn, DRAWN, "How lights are drawn")
+        yield "light_draws", titled(tables, "", results["light_draws"]["made by"])
+    with_leds, without = by_light(results)
+    if with_leds:
+        yield "light_draws", light_tables(with_leds, without)
     if once and longer and made_alike(results, "illuminant", "longer"):
         yield "illuminant", longer_tables(once, longer)
 
 
+def by_light(results: Summaries) -> tuple[ByLight, ByLight]:
+    """Return {lights: {camera: errors}} of training with LEDs and without."""
+    with_leds, without = (
+        {of: found for of in LIGHTS if (found := ready(results, f"{study}, {of}"))}
+        for study in ("light_draws", "held_out_leds")
+    )
+    alike = {
+        of: found
+        for of, found in without.items()
+        if made_alike(results, f"light_draws, {of}", f"held_out_leds, {of}")
+    }
+    return with_leds, alike
+
+
 def made_alike(results: Summaries, *names: str) -> bool:
     """Return whether entries of two studies were made by the same of all SHARED."""
-    one, other = (results[name]["made by"] for name in names)
+    one, other = (results.get(name, {}).get("made by", {}) for name in names)
     return all(one.get(key) == other.get(key) for key in SHARED)
 
 
@@ -116,10 +127,23 @@ def in_order(entry: Any) -> Any:
     return {name: in_order(part) for name, part in entry.items()}
 
 
-def titled(tables: str, made_of: str) -> str:
-    """Return tables whose heading says of what they are, if not of the world."""
+def titled(tables: str, made_of: str, made_by: Mapping[str, Any]) -> str:
+    """Return tables whose heading says of what they are, if not of the world, and by
+    which settings, if it is known."""
     heading, _, rest = tables.partition("\n")
-    return f"{heading}: {made_of}\n{rest}" if made_of else tables
+    heading += f": {made_of}" if made_of else ""
+    said = settings_said(made_by.get("settings", {}))
+    return f"{heading}\n\n{said}\n{rest}" if said else f"{heading}\n{rest}"
+
+
+def settings_said(settings: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return a line of those SETTINGS that tell how much was learnt of."""
+    parts = [
+        f"{name}: " + ", ".join(f"{own[key]:,} {key}" for key in SETTINGS if key in own)
+        for name, own in settings.items()
+        if set(SETTINGS) & set(own)
+    ]
+    return f"*By {'; '.join(parts)}.*" if parts else ""
 
 
 def both_kinds(colour: Mapping[str, Mapping[str, Any]]) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from studies.cameras import Camera
 from studies.draws import LEARNED, Run, sources_of
 from studies.figures.contact_sheet import contact_sheet, scene_pictures
+from studies.figures.errors_by_light import errors_by_light
 from studies.figures.gap_bars import gap_bars
 from studies.figures.illuminant_curves import illuminant_curves
 from studies.figures.isp_examples import isp_examples
@@ -16,7 +17,7 @@ from studies.figures.night_examples import night_examples
 from studies.figures.translation_curves import curves_in, translation_curves
 from studies.sources.sets import Draw
 from studies.summaries import Summaries
-from studies.tables_of_results import entries_of, ready
+from studies.tables_of_results import by_light, entries_of, ready
 
 COMPARED = ("illuminant", "light_draws", "isp", "denoising")
 
@@ -28,6 +29,9 @@ def figures_of_results(results: Summaries) -> dict[str, bytes]:
     pngs = {"gap": gap_bars(found)} if found else {}
     if "illuminant" in found:
         pngs["illuminant"] = illuminant_curves(found["illuminant"])
+    with_leds, without = by_light(results)
+    if with_leds:
+        pngs["light"] = errors_by_light(with_leds, without)
     return pngs
 
 

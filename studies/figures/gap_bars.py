@@ -77,7 +77,7 @@ def gap_bars(studies: Mapping[str, Mapping[str, Any]]) -> bytes:
     """Return the PNG of {study: {camera: entry}}: a row a measure, a panel a camera."""
     rows = list(rows_of(studies))
     columns = max(len(row.cameras) for row in rows)
-    heights = [AROUND + BAR * len(next(iter(row.cameras.values()))) for row in rows]
+    heights = [AROUND + BAR * max(map(len, row.cameras.values())) for row in rows]
 
     def draw(figure: "Figure") -> None:
         parts = figure.subfigures(len(rows), 1, squeeze=False, height_ratios=heights)

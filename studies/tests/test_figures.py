@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from studies.figures import gap_bars, illuminant_curves
+from studies.figures import errors_by_light, gap_bars, illuminant_curves
 from studies.figures.contact_sheet import LABELS, contact_sheet, scene_pictures
 from studies.figures.isp_examples import GOAL, INPUT, SHOWN, Examples, isp_examples
 from studies.figures.isp_panels import MEANS, TITLES, isp_panels
@@ -75,6 +75,25 @@ def test_curves_have_a_panel_a_camera_and_every_source(entries, planted, drawn_o
             at, share = line.get_data()
             assert np.interp(0.5, share, at) == pytest.approx(np.median(values))
             assert (at[0], at[-1]) == (values.min(), values.max())
+
+
+def test_errors_by_light_are_the_means_and_leds_stand_apart(planted, drawn_on):
+    errors = planted.summaries["illuminant"]["cameras"]["sony-a7s-ii"]
+    lights = ("below 3000 K", "above 3000 K", "LED lamps")
+    with_leds = {of: {"sony-a7s-ii": errors} for of in lights}
+    without = {"LED lamps": {"sony-a7s-ii": {"upi, match": errors["upi, match"]}}}
+    figure = drawn_on(
+        errors_by_light, errors_by_light.errors_by_light, with_leds, without
+    )
+    (axes,) = figure.axes
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names == list(errors)
+    drawn = [bars.lines[0].get_ydata() for bars in axes.containers]
+    assert [len(values) for values in drawn] == [2, 1] * (len(errors) - 1) + [2, 1, 1]
+    assert axes.get_xticklabels()[-1].get_text() == "no LEDs in training"
+    for bars, source in zip(axes.containers[::2], errors, strict=False):
+        mean = np.mean(errors[source]["frames"])
+        assert bars.lines[0].get_ydata() == pytest.approx(mean, abs=1e-4)
 
 
 def test_bars_are_the_gaps_that_were_planted(entries, planted, drawn_on):
