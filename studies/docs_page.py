@@ -7,7 +7,10 @@ around them is written by hand."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from textwrap import fill
+from typing import Any
 
+from studies.draws import RENDERS
 from studies.places import ROOT
 from studies.protocol import PROTOCOL
 from studies.summaries import (
@@ -18,8 +21,12 @@ from studies.summaries import (
     read_committed,
 )
 from studies.tables_of_results import tables_by_study
+from studies.tables_paired import REAL
+from studies.tasks.isp import CAMERA
+from studies.tasks.paired import difference
 
-PAGE = ROOT / "docs" / "evidence.md"
+PAGE, README = ROOT / "docs" / "evidence.md", ROOT / "README.md"
+WIDTH = 110  # columns of README.md
 STUDIES = (
     "classical",
     "colour",
@@ -50,6 +57,7 @@ FIGURES = {  # what a reader without pictures is told, by section
     "pixel is from the goal",
 }
 
+OURS, UPI, WORLD = "ours, match", "upi, match", "ours, match, world's scenes"
 OF = {  # studies, of any of which a figure is; the others are of the world
     "gap": ("illuminant", "denoising", "isp"),
     "illuminant": ("illuminant",),
@@ -77,6 +85,34 @@ def write_docs(page: str, sections: Mapping[str, str]) -> str:
     return page
 
 
+def readme_text(found: Mapping[str, Any]) -> str:
+    """Return the sentence of README.md: how far behind real ours and UPI are by night.
+
+    found : Summaries with the neural ISP and the denoiser of renders at night."""
+
+    def behind(study: str, measure: str, sign: int, source: str) -> str:
+        cameras = found[f"{study}, {RENDERS}"]["cameras"].values()
+        gaps = [
+            sign * difference(goal[source][measure], goal[REAL][measure]).mean
+            for camera in cameras
+            for name, goal in camera.items()
+            if name != CAMERA
+        ]
+        return f"{min(gaps):.2f} to {max(gaps):.2f}"
+
+    colour, noise = ("isp", "difference", 1), ("denoising", "psnr", -1)
+    cameras = len(found[f"isp, {RENDERS}"]["cameras"])
+    text = (
+        "Trained on renders of night scenes that `cg2raw match` exposed, a small "
+        f"neural ISP is {behind(*colour, OURS)} CIEDE2000 behind one that is trained "
+        f"on the camera's own frames, on {cameras} cameras (UPI at the same exposures: "
+        f"{behind(*colour, UPI)}), and a denoiser {behind(*noise, OURS)} dB "
+        f"(UPI: {behind(*noise, UPI)}); of scenes like the camera's own, the ISP is "
+        f"{behind(*colour, WORLD)} behind."
+    )
+    return fill(text, WIDTH, break_on_hyphens=False)
+
+
 def sections(tables: Mapping[str, str], figures: Iterable[str]) -> dict[str, str]:
     """Return the text of each section: a study's tables, a figure, or both."""
     found = {name: [text] for name, text in tables.items()}
@@ -100,9 +136,10 @@ def write_page(
     folder: Path,
     page: Path = PAGE,
     committed: Path = COMMITTED,
+    readme: Path = README,
 ) -> None:
     """Put summaries into the committed file, and all tables of that into the page, with
-    the figures that a folder has.
+    the figures that a folder has, and a sentence into the README.
 
     A study's figure is left out without tables of it; one that is not drawn anew stays.
     Raises ValueError naming the page
@@ -122,8 +159,15 @@ def write_page(
         text = write_docs(before, sections(tables, shown))
     except (OSError, ValueError) as error:
         raise ValueError(f"{page}: {error}") from None
+    try:
+        front = readme.read_text()
+        if {f"isp, {RENDERS}", f"denoising, {RENDERS}"} <= set(found):
+            front = write_docs(front, {"readme": readme_text(found)})
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{readme}: {error}") from None
     committed.write_text(committed_text(found))
     page.write_text(text)
+    readme.write_text(front)
     (page.parent / "images").mkdir(exist_ok=True)
     for name in drawn:
         png = (folder / f"{name}.png").read_bytes()

@@ -5,6 +5,7 @@ tables are those of docs/evidence.json."""
 
 import re
 
+import numpy as np
 import pytest
 
 from studies.docs_page import (
@@ -13,6 +14,7 @@ from studies.docs_page import (
     STUDIES,
     image,
     marks,
+    readme_text,
     sections,
     write_docs,
     write_page,
@@ -84,6 +86,24 @@ def test_the_tables_of_the_page_are_those_of_the_committed_results(page):
     assert found and differing(page, found) == []
     for study in found.values():
         assert {"core", "host", "packages", "seeds"} <= set(study["made by"])
+
+
+def test_the_numbers_of_the_readme_are_those_of_the_committed_results(repository):
+    found = read_committed()
+    readme = (repository / "README.md").read_text()
+    assert section(readme, "readme") == readme_text(found)
+    # The first number: the least that ours is behind real, of cameras.
+    isp = found["isp, night renders"]["cameras"]
+    gaps = []
+    for camera in isp.values():
+        ours, real = (
+            np.array(camera["CIE XYZ"][source]["difference"]["frames"])
+            for source in ("ours, match", "real")
+        )
+        gaps.append((ours - real).mean())
+    assert f"ISP is {min(gaps):.2f} to {max(gaps):.2f} CIEDE2000" in " ".join(
+        readme_text(found).split()
+    )
 
 
 def test_a_page_that_differs_from_the_committed_results_is_found(page):
@@ -198,10 +218,13 @@ def written(tmp_path, planted):
     page = tmp_path / "page.md"
     start, end = marks("gap")
     page.write_text(f"{TWO}\n{start}\n{end}\n")
+    readme = tmp_path / "README.md"
+    readme.write_text("No numbers of other studies.\n")
 
     def write(found):
         committed = tmp_path / "evidence.json"
-        write_page(found, tmp_path, page, committed)
+        write_page(found, tmp_path, page, committed, readme)
+        assert readme.read_text() == "No numbers of other studies.\n"
         return page.read_text(), read_committed(committed)
 
     return write
