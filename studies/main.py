@@ -3,6 +3,7 @@
 """The command scripts/evidence."""
 
 import argparse
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,7 +17,13 @@ from studies.draws import JUDGE, LEARNED, RENDERS, Run, go_on, made_by_of
 from studies.figures.files import figures_of_results, figures_of_world, write_figures
 from studies.fingerprint import MadeBy, limited, made_by, need_pinned
 from studies.mitsuba_judge.folder import PATTERN, judge_frames
-from studies.places import LUXPY_VARIABLE, data_folder, files_hash, luxpy_folder
+from studies.places import (
+    DATA_VARIABLE,
+    LUXPY_VARIABLE,
+    data_folder,
+    files_hash,
+    luxpy_folder,
+)
 from studies.protocol import PROTOCOL
 from studies.results import (
     Results,
@@ -53,6 +60,7 @@ def run_colour(world: World, camera: Camera, mode: str) -> Any:
 MEASURED: dict[str, Study] = {"classical": run_classical, "colour": run_colour}
 STUDIES = (*MEASURED, *LEARNED)
 HOURS = ("longer", "light_draws", "held_out_leds", "denoising_unet", "isp_unet")
+PHOTOGRAPHS = "photographs"
 NEED_TORCH = ("illuminant", *HOURS)
 
 
@@ -139,11 +147,13 @@ def asked(names: list[str], mode: str) -> list[str]:
     if names:
         return names
     found = [name for name in STUDIES if mode == "full" or name not in HOURS]
-    try:
-        need_torch()
-    except ValueError as error:
-        warn(f"left out: {error}")
-        return [name for name in found if name not in NEED_TORCH]
+    needs = [(need_torch, NEED_TORCH), (LEARNED[PHOTOGRAPHS].files, (PHOTOGRAPHS,))]
+    for need, studies in needs:
+        try:
+            need()
+        except ValueError as error:
+            warn(f"left out: {error}")
+            found = [name for name in found if name not in studies]
     return found
 
 
@@ -201,6 +211,7 @@ def run(given: argparse.Namespace) -> str:
     """Run the studies of a command line and return their tables. Raises ValueError."""
     need_pinned()
     luxpy, data = luxpy_folder(given.luxpy), data_folder(given.data)
+    os.environ[DATA_VARIABLE] = str(data)  # for all that look for it
     names = asked(given.studies, given.mode)
     prepared_run = prepared(given, luxpy)
     results = without_others(prepared_run, names)

@@ -43,6 +43,16 @@ def test_what_is_missing_is_said_in_one_line(words, said, tmp_path, capsys):
     assert error.count("\n") == 1 and said in error
 
 
+def test_without_photographs_the_other_studies_run(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(command, "need_torch", lambda: None)
+    (tmp_path / "tables").mkdir()
+    monkeypatch.setenv("CG2RAW_TEST_DATA", str(tmp_path))
+    assert "photographs" not in command.asked([], "quick")
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1 and "is missing: no photograph" in error
+    assert command.asked(["photographs"], "quick") == ["photographs"]
+
+
 def test_no_page_is_written_of_the_small_world(camera_data, tmp_path, monkeypatch):
     monkeypatch.setattr(command, "luxpy_folder", lambda _: None)
     words = ["colour", "--full", "--docs", "--data", str(camera_data)]
