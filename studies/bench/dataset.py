@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+ROWS = 16  # of paper_raw_at_best at a time
 PEER_FILES = 4  # of the images; more take long
 SENSOR, LIGHT = "nikon-d40", "2856K"
 BOUNDS = {"conversion": 20.0, "files": 5.0, "workers": 1.8, "bytes": 6.0, "MB": 200.0}
@@ -36,6 +37,39 @@ def paper_raw(scene, matrices, neutral, levels, cfa):
         raw[at] = camera[at + ("RGB".index(letter),)]
     black, white = levels
     return np.clip(np.rint(raw * (white - black) + black), 0, white).astype(np.uint16)
+
+
+def paper_raw_at_best(scene, matrices, neutral, levels, cfa):
+    """Return paper_raw() as fast as NumPy can: float32, BLAS, rows that fit a cache.
+
+    Rounding may differ by 1 DN."""
+    first, second = (np.array(matrix, np.float32).T for matrix in matrices)
+    black, white = map(np.float32, levels)
+    third = np.full(3, 1.0 / 3.0, np.float32)
+    raw = np.empty(scene.shape[:2], np.uint16)
+    for top in range(0, len(scene), ROWS):
+        rows = scene[top : top + ROWS]
+        camera = rows.reshape(-1, 3)
+        for matrix in (first, second):
+            camera = camera @ np.ascontiguousarray(matrix)
+            np.clip(camera, 0, 1, out=camera)
+        mask = camera @ third
+        mask -= np.float32(0.9)
+        np.maximum(mask, 0, out=mask)
+        mask *= np.float32(10)
+        mask *= mask
+        mask, camera = mask.reshape(rows.shape[:2]), camera.reshape(rows.shape)
+        for site, letter in enumerate(cfa):
+            at = np.s_[site // 2 :: 2, site % 2 :: 2]
+            channel = "RGB".index(letter)
+            gain = np.float32(neutral[channel])
+            values = np.maximum(mask[at] * (1 - gain) + gain, gain)
+            values *= camera[(*at, channel)]
+            values *= white - black
+            values += black
+            np.rint(values, out=values)
+            raw[top : top + ROWS][at] = values.clip(0, white)
+    return raw
 
 
 def paper_arguments():

@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 
 from studies.bench import processes, uniform
-from studies.bench.dataset import paper_arguments, paper_raw
+from studies.bench.dataset import paper_arguments, paper_raw, paper_raw_at_best
 from studies.bench.peers import writers
 from studies.bench.processes import FLOOR, FOLDER, HEIGHT, OIIOTOOLS, WIDTH
 
@@ -144,8 +144,10 @@ def simulations(rounds):
     def simulated(**run):
         return lambda: sensor.simulate(scene, illuminant=LIGHT, threads=1, **run)
 
+    peer = "NumPy, at its best (peer)"
     actions = {
-        "NumPy, paper's way (peer)": lambda: paper_raw(wide, *arguments),
+        peer: lambda: paper_raw_at_best(wide, *arguments),
+        "NumPy, paper's way": lambda: paper_raw(wide, *arguments),
         "simulate": simulated(),
         f"simulate, ISO {ISO}": simulated(iso=ISO),
         "simulate, paper": simulated(convention="paper"),
@@ -155,7 +157,7 @@ def simulations(rounds):
     }
     found = in_rounds(actions, rounds)
     count = scene.shape[0] * scene.shape[1] / 1e6
-    return rows_of("scene to RAW, 1 thread", found, count, "NumPy, paper's way (peer)")
+    return rows_of("scene to RAW, 1 thread", found, count, peer)
 
 
 def files(rounds):

@@ -5,6 +5,10 @@
 import json
 from pathlib import Path
 
+import numpy as np
+
+from studies.bench.dataset import paper_arguments, paper_raw, paper_raw_at_best
+
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "performance.md"
 ROW = {
@@ -27,6 +31,17 @@ ABOUT = {
     "load_after": 1.2,
     "rounds": 7,
 }
+
+
+def test_the_peer_at_its_best_is_the_published_way():
+    """Also where highlights are kept, and of rows that are no multiple of its blocks."""
+    scene = np.random.default_rng(0).random((50, 64, 3), np.float32) * 1.2
+    arguments = paper_arguments()
+    best, way = (
+        convert(scene, *arguments).astype(int)
+        for convert in (paper_raw_at_best, paper_raw)
+    )
+    assert abs(best - way).max() <= 1 and len(np.unique(way)) > 500
 
 
 def refreshed(run_module, page, folder, rows):
