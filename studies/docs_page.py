@@ -59,7 +59,7 @@ FIGURES = {  # what a reader without pictures is told, by section
 
 OURS, UPI, WORLD = "ours, match", "upi, match", "ours, match, world's scenes"
 OF = {  # studies, of any of which a figure is; the others are of the world
-    "gap": ("illuminant", "denoising", "isp"),
+    "gap": ("illuminant", "light_draws", "denoising", "isp", "photographs"),
     "illuminant": ("illuminant",),
     "light": ("light_draws",),
     "isp": ("isp",),
@@ -90,15 +90,18 @@ def readme_text(found: Mapping[str, Any]) -> str:
 
     found : Summaries with the neural ISP and the denoiser of renders at night."""
 
-    def behind(study: str, measure: str, sign: int, source: str) -> str:
+    def gaps(study: str, measure: str, sign: int, source: str) -> list[float]:
         cameras = found[f"{study}, {RENDERS}"]["cameras"].values()
-        gaps = [
+        return [
             sign * difference(goal[source][measure], goal[REAL][measure]).mean
             for camera in cameras
             for name, goal in camera.items()
             if name != CAMERA
         ]
-        return f"{min(gaps):.2f} to {max(gaps):.2f}"
+
+    def behind(study: str, measure: str, sign: int, source: str) -> str:
+        values = gaps(study, measure, sign, source)
+        return f"{min(values):.2f} to {max(values):.2f}"
 
     colour, noise = ("isp", "difference", 1), ("denoising", "psnr", -1)
     cameras = len(found[f"isp, {RENDERS}"]["cameras"])
@@ -107,8 +110,8 @@ def readme_text(found: Mapping[str, Any]) -> str:
         f"neural ISP is {behind(*colour, OURS)} CIEDE2000 behind one that is trained "
         f"on the camera's own frames, on {cameras} cameras (UPI at the same exposures: "
         f"{behind(*colour, UPI)}), and a denoiser {behind(*noise, OURS)} dB "
-        f"(UPI: {behind(*noise, UPI)}); of scenes like the camera's own, the ISP is "
-        f"{behind(*colour, WORLD)} behind."
+        f"(UPI: {behind(*noise, UPI)}). Trained on renders of scenes like the camera's "
+        f"own, the ISP is within {max(map(abs, gaps(*colour, WORLD))):.2f} of it."
     )
     return fill(text, WIDTH, break_on_hyphens=False)
 

@@ -19,7 +19,7 @@ from studies.sources.sets import Draw
 from studies.summaries import Summaries
 from studies.tables_of_results import by_light, entries_of, ready
 
-COMPARED = ("illuminant", "light_draws", "isp", "denoising")
+COMPARED = ("illuminant", "light_draws", "isp", "denoising", "photographs")
 
 
 def figures_of_results(results: Summaries) -> dict[str, bytes]:

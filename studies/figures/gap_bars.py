@@ -22,6 +22,7 @@ DEGREES = {  # studies of angular errors, as the figure calls them
 UNITS = {  # of studies by night: the axis, the measure, and which way it is worse
     "isp": ("CIEDE2000 more than real", "difference", 1),
     "denoising": ("dB less than real", "psnr", -1),
+    "photographs": ("dB less than real", "psnr", -1),
 }
 PANEL, LABELS = 2.6, 1.9  # inches: a panel's width, names of sources
 BAR, AROUND = 0.17, 0.85  # inches: a bar with its gap, a panel's title and axis

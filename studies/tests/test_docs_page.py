@@ -145,6 +145,28 @@ def test_tables_of_other_renders_say_so_and_stand_below(planted):
     assert heads[1] == f"{heads[0]}: night renders"
 
 
+def test_a_source_that_one_camera_lacks_has_an_empty_cell(planted):
+    study = planted.summaries["isp"]
+    one, other = planted.cameras
+    less = {
+        goal: {s: kept for s, kept in of.items() if s != "upi, match"}
+        for goal, of in study["cameras"][one].items()
+    }
+    cameras = {one: less, other: study["cameras"][other]}
+    text = tables_by_study({"isp": {**study, "cameras": cameras}}, 0.1)["isp"]
+    rows = [line for line in text.splitlines() if "upi, match" in line]
+    assert len(rows) == 6  # of two goals: means, less real, and ours less it
+    for row in rows:
+        assert re.fullmatch(r"\| [^|]+ \| [^|]+[0-9][^|]+ \|  \|", row), row
+
+
+def test_tables_say_how_much_was_learnt_of(planted):
+    made_by = {"settings": {"isp": {"frames": 80, "samples": 30000, "step": 2}}}
+    study = {**planted.summaries["isp"], "made by": made_by}
+    text = tables_by_study({"isp": study}, 0.1)["isp"]
+    assert text.splitlines()[2] == "*By isp: 80 frames, 30,000 samples.*"
+
+
 def test_longer_training_stands_below_its_study(planted):
     studies = of_first_camera(planted)
     few = ("real", "ours, dng", "upi, graphics2raw")

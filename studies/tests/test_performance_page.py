@@ -34,7 +34,7 @@ ABOUT = {
 
 
 def test_the_peer_at_its_best_is_the_published_way():
-    """Also where highlights are kept, and of rows that are no multiple of its blocks."""
+    """Also where highlights are kept, and of rows that fill no block."""
     scene = np.random.default_rng(0).random((50, 64, 3), np.float32) * 1.2
     arguments = paper_arguments()
     best, way = (
