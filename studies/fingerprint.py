@@ -4,7 +4,8 @@
 
 Code is what a study's modules import, of the studies and of cg2raw, without comments,
 docstrings and layout; settings are those tables of protocol.toml that it is given. So
-neither a page's words nor another study sets results aside."""
+neither a page's words nor another study sets results aside. Files are read once in a
+process: edits during a run are no part of what it ran."""
 
 import ast
 import hashlib
@@ -59,7 +60,7 @@ def made_by(
     return {
         "cg2raw": cg2raw.__version__,
         "code": code_hash(modules, functions),
-        "core": files_hash([Path(_core.__file__)]),
+        "core": core_hash(),
         "mode": mode,
         "packages": ", ".join(
             f"{name} {version}" for name, version in installed().items() if version
@@ -69,6 +70,12 @@ def made_by(
         "world": hashed(repr((world_settings, noise))),
         **world.hashes(),
     }
+
+
+@cache
+def core_hash() -> str:
+    """Return the hash of cg2raw's compiled module."""
+    return files_hash([Path(_core.__file__)])
 
 
 def limited(world: World, tables: Iterable[str]) -> World:
@@ -92,8 +99,7 @@ def code_hash(
     modules: Iterable[str], functions: Iterable[Callable[..., Any]] = ()
 ) -> str:
     """Return the hash of modules with all that they import, and of functions."""
-    trees = [ast.parse(inspect.getsource(function)) for function in functions]
-    parts = [ast.dump(without_docstrings(tree)) for tree in trees]
+    parts = [code_of(function) for function in functions]
     return hashed("".join([*parts, *(code(name) for name in imported(modules))]))
 
 
@@ -122,6 +128,12 @@ def tree_of(module: str) -> ast.Module:
 def code(module: str) -> str:
     """Return what a module does, whatever its comments, docstrings and layout."""
     return ast.dump(without_docstrings(tree_of(module)))
+
+
+@cache
+def code_of(function: Callable[..., Any]) -> str:
+    """Return the same of a function."""
+    return ast.dump(without_docstrings(ast.parse(inspect.getsource(function))))
 
 
 @cache

@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """What a study's numbers depend on: all of it, and nothing else."""
 
+import importlib
+import linecache
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -11,6 +13,7 @@ from studies import fingerprint
 from studies.draws import LEARNED, Run, made_by_of
 from studies.fingerprint import (
     code,
+    code_hash,
     imported,
     installed,
     limited,
@@ -63,11 +66,25 @@ def test_words_and_layout_are_no_code(after, same, tmp_path, monkeypatch):
     assert (one == two) is same
 
 
-def test_settings_of_the_study_count_and_those_of_others_do_not(world):
+def test_edits_during_a_run_are_no_part_of_what_it_ran(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(str(tmp_path))
+    path = tmp_path / "planted_during_a_run.py"
+    path.write_text("def run():\n    return 1\n")
+    run = importlib.import_module(path.stem).run
+    before = code_hash([path.stem], [run])
+    path.write_text("def run():\n    return 2\n")
+    linecache.checkcache()
+    assert code_hash([path.stem], [run]) == before
+
+
+def test_settings_of_the_study_count_and_those_of_others_do_not(world, monkeypatch):
+    monkeypatch.setattr(type(world), "hashes", lambda _: {})  # of spectra: seconds
+
     def of(study, world, mode="full"):
         made = made_by_of(Run(world, mode, {}, None, print), study, study)
         return made["settings"], made["world"], made["seeds"]
 
+    before = {study: of(study, world) for study in LEARNED}
     isp, unet = world.protocol.isp, world.protocol.isp_unet
     tests = {**isp.tests, "full": 7}
     for other, studies in (
@@ -78,7 +95,7 @@ def test_settings_of_the_study_count_and_those_of_others_do_not(world):
         (changed(world, "seeds", real=7), set(LEARNED)),
         (changed(world, "night", lights=(9, 9)), set(LEARNED)),
     ):
-        differ = {study for study in LEARNED if of(study, other) != of(study, world)}
+        differ = {study for study in LEARNED if of(study, other) != before[study]}
         assert differ == studies
 
 
