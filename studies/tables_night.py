@@ -36,6 +36,7 @@ MEASURES = {
 PAIRS = (
     *((f"ours, {name}", f"upi, {name}") for name in (*EXPOSURES, MATCH)),
     ("ours, match, global gains", "upi, match, global gains"),
+    ("ours, match", "ours, own"),
     ("ours, match", "ours, match, paper"),
     ("ours, match", "no matrix, match"),
     ("ours, match", "translation, our lights"),

@@ -30,7 +30,9 @@ TABLES_OF: dict[str, Callable[[Any], str]] = {
     "illuminant": illuminant_tables,
     "denoising": partial(night_tables, title="Denoising"),
     "files": partial(night_tables, title="Denoising, the full path by files"),
-    "photographs": partial(night_tables, title="Denoising of photographs"),
+    "photographs": partial(
+        night_tables, title="Denoising of photographs, each a test frame"
+    ),
     "denoising_unet": partial(night_tables, title="Denoising by U-net"),
     "isp": partial(night_tables, title="Neural ISP"),
     "isp_unet": partial(night_tables, title="Neural ISP by U-net"),

@@ -33,7 +33,7 @@ def of_errors(found: Difference) -> str:
 
 def of_gains(found: Difference, digits: int) -> str:
     """Return a Difference of what is better if it is more, other - one, in one cell."""
-    return f"{-found.mean:+.{digits}f} ({found.error:.{digits}f})" + beats(found)
+    return f"{0.0 - found.mean:+.{digits}f} ({found.error:.{digits}f})" + beats(found)
 
 
 def beats(found: Difference) -> str:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 Pictures = Sequence[NDArray[np.float32]]  # (H, W, 3) each, alike, sRGB 0..1
 COLUMNS = 4
 LABELS = 28  # pixels, left of the pictures
+FONT, LETTER = 9.5, 0.6  # points of a label; a letter's width over them, at most
 
 
 def scene_pictures(world: World, camera: Camera) -> dict[str, Pictures]:
@@ -54,7 +55,8 @@ def contact_sheet(pictures: Mapping[str, Pictures], colors: int | None = None) -
             for number, picture in enumerate(row):
                 axes = tile(figure, picture, LABELS + number * across, line * down)
                 if number == 0:
-                    axes.set_ylabel(title)
+                    room = 72.0 / DPI * SCALE * height / LETTER
+                    axes.set_ylabel(title, fontsize=min(FONT, room / len(title)))
 
     size = LABELS + columns * across - GAP, len(pictures) * down - GAP
     return drawn(size[1] / DPI, draw, size[0] / DPI, colors=colors)

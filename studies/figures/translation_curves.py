@@ -40,6 +40,7 @@ def translation_curves(found: Curves) -> bytes:
             draw_panel(axes, name, trainings)
         for axes in panels[len(found) :]:
             axes.set_visible(False)
+        panels[0].set_ylabel("distance from captures")
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=2)
 
@@ -52,7 +53,7 @@ def draw_panel(axes: "Axes", name: str, trainings: list[Any]) -> None:
         steps = [point["step"] for point in training["curve"]]
         for measure, color in MEASURES.items():
             values = [point[measure] for point in training["curve"]]
-            label = f"distance of {measure}" if number == 0 else None
+            label = measure if number == 0 else None
             axes.plot(steps, values, color=color, linewidth=1.2, label=label)
             axes.axhline(training["floor"][measure], color=color, linestyle=":")
     axes.set(title=name, xlabel="step", ylim=(0.0, None))
