@@ -17,14 +17,19 @@ from studies.figures.night_examples import night_examples
 from studies.figures.translation_curves import curves_in, translation_curves
 from studies.sources.sets import Draw
 from studies.summaries import Summaries
-from studies.tables_of_results import by_light, entries_of, ready
+from studies.tables_of_results import LIGHTS, by_light, entries_of, ready
 
 COMPARED = ("illuminant", "light_draws", "isp", "denoising", "photographs")
 
 
 def figures_of_results(results: Summaries) -> dict[str, bytes]:
     """Return the PNG of each figure that summaries alone make, by name."""
-    names = [name for study in COMPARED for name, _ in entries_of(results, study)]
+    names = [
+        name
+        for study in COMPARED
+        for name, made_of in entries_of(results, study)
+        if made_of not in LIGHTS  # which have a figure of their own
+    ]
     found = {name: ready(results, name) for name in names}
     pngs = {"gap": gap_bars(found)} if found else {}
     if "illuminant" in found:
