@@ -178,23 +178,29 @@ def _shot_noise(shot: Exposure, s: float, levels: Levels) -> Plane:
     return level
 
 
-def _read_noise(shot: Exposure, s: float, levels: Levels) -> Plane:
-    """Noise of the same correlation along rows as the sensor's, by an autoregressive
-    process of order 1."""
-    size = np.sqrt(np.expm1(s)) * levels.read_noise
-    noise, rho = shot.own.standard_normal(shot.level.shape), levels.correlation
+def _along_rows(noise: Plane, levels: Levels) -> Plane:
+    """Return noise of the same variance, correlated as the sensor's read noise is."""
+    rho = levels.correlation
     noise[:, 1:] *= np.sqrt(1 - rho**2)
-    level: Plane = shot.level + size * lfilter([1.0], [1.0, -rho], noise, axis=1)
-    return level
+    found: Plane = lfilter([1.0], [1.0, -rho], noise, axis=1)
+    return found
+
+
+def _read_noise(shot: Exposure, s: float, levels: Levels) -> Plane:
+    size = np.sqrt(np.expm1(s)) * levels.read_noise
+    noise = size * shot.own.standard_normal(shot.level.shape)
+    return shot.level + _along_rows(noise, levels)
 
 
 def _heavy_tailed_noise(shot: Exposure, s: float, levels: Levels) -> Plane:
-    """A share of the draws is wider; the others stay, and the variance grows."""
+    """A share of the draws is wider; the others stay, and the variance grows. What is
+    added has the correlation of read noise."""
     shape = shot.level.shape
     ratio = np.exp(shot.sensor.uniform(*np.log(NOISY)))
     noisy = shot.own.random(shape) < s
     size = np.sqrt(ratio - 1) * levels.read_noise
-    return shot.level + np.where(noisy, size * shot.own.standard_normal(shape), 0.0)
+    more = np.where(noisy, size * shot.own.standard_normal(shape), 0.0)
+    return shot.level + _along_rows(more, levels)
 
 
 def _row_noise(shot: Exposure, s: float, levels: Levels) -> Plane:
