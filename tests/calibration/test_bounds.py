@@ -7,14 +7,17 @@ import pytest
 
 from calibration.planted import RANGE, SHAPE, sensor_of
 from cg2raw import _core
+from cg2raw.calibration.calibration import (
+    Calibration,
+    bounds_passed,
+    effects_found,
+)
 from cg2raw.calibration.darks import MOST_HOT, DarkCurrent, dark_spread
 from cg2raw.calibration.fitting import Fitted
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.structure import glow
 from cg2raw.calibration.table import dark_lines, told
-from cg2raw.calibration.updated_profile import bounds_passed, effects_found
 from cg2raw.model.figures import Figure
 from cg2raw.statistics.constant import RATE_EDGES, DarkRates
 
@@ -79,7 +82,7 @@ def found_with(**fields):
     """Return measurements of one site with some fields, and a dark current."""
     line = DarkCurrent(((None, Measured(1.0, 0.1, "DN/s")),), None, ())
     known = {"sensor": sensor_of(), "shape": SHAPE, "iso": None, "frames": (4, 0)}
-    return Measurements(**known, sites=Sites(("",)), **{"dark": line, **fields})
+    return Calibration(**known, sites=Sites(("",)), **{"dark": line, **fields})
 
 
 def test_a_glow_as_wide_as_the_field_is_a_limit():

@@ -7,7 +7,8 @@ calibrate(sensor, frames) measures, in the physical order of EMVA Standard 1288,
 to uniform light; the Calibration that it returns writes them into a profile.
 """
 
-from cg2raw.calibration.calibrate import Calibration, calibrate
+from cg2raw.calibration.calibrate import calibrate
+from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.frames import UniformFrame
 from cg2raw.calibration.measured import Measured
 

@@ -11,11 +11,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cg2raw.blas_threads import one_blas_thread
+from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.darks import read_darks
-from cg2raw.calibration.defects import Defects, defects_of
+from cg2raw.calibration.defects import Mask, defects_of
 from cg2raw.calibration.fitting import fitted, of_sites
 from cg2raw.calibration.flats import FULL_WELL, above_darks, check_curve, read_flats
 from cg2raw.calibration.frames import (
@@ -28,32 +28,12 @@ from cg2raw.calibration.frames import (
     scan,
     screened,
 )
-from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.notes import notes_on
 from cg2raw.calibration.parts import check_one_chain
 from cg2raw.calibration.seen import Seen, seen_all
 from cg2raw.calibration.sites import sites_of
-from cg2raw.calibration.updated_profile import updated_profile
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.kept import Kept
-
-
-class Calibration(Measurements):
-    """What calibrate found; see Measurements for its fields."""
-
-    def updated_profile(self, sensor: Sensor | None = None) -> str:
-        """Return the JSON of a sensor's profile with what was measured.
-
-        sensor : in place of the one that was calibrated. The black level, the row of
-        noise at the frames' ISO and effects that stand out are replaced; effects that
-        were looked for and do not are taken out; all else stays.
-        Raises ValueError naming field, value and bound."""
-        return updated_profile(self, sensor or self.sensor)[0]
-
-    def profile_notes(self) -> list[str]:
-        """Return what stands out and cannot be written into a profile."""
-        return updated_profile(self, self.sensor)[1]
-
 
 # At all frames, at most, while there are defects that the statistics have not masked:
 # wide ones hide where they end.
@@ -99,20 +79,23 @@ def calibrate(
     flat_groups.sort(key=lambda group: float(group.level.mean()))
     listed = [*dark_groups, *flat_groups]
 
-    def look(groups: Sequence[Group], counting: NDArray[np.bool_] | None) -> Seen:
+    def look(groups: Sequence[Group], excluded: Mask | None) -> Seen:
         said = lambda x: tell("reading frames", x)  # noqa: E731
-        return seen_all(sensor, sites, groups, counting, threads, said)
+        return seen_all(sensor, sites, groups, excluded, threads, said)
 
-    defects = Defects()
+    defects = None
     for _ in range(LOOKS):
-        seen = look(listed, defects.counting)
+        seen = look(listed, defects)
         defects = defects_of(seen, levels)
-        if defects.are_masked(seen):
+        if (
+            defects is None
+            or not (defects & ~seen.statistics.masked(defects.shape)).any()
+        ):
             break
     flats = read_flats(seen, levels, lambda x: tell("flats", x))
     if flats.clipped_by == FULL_WELL:  # its rim would be masked in all frames
         last = max(flats.used, default=len(dark_groups) - 1)
-        seen = look(listed[: last + 1], defects.counting)
+        seen = look(listed[: last + 1], defects)
     tell("fitting", 0.0)
     fit = fitted(seen, flats.linear(seen, float(levels.mean())), levels, iso)
     check_curve(flats.points, seen, fit.lost == "cut")
@@ -206,14 +189,10 @@ def check_groups(groups: Sequence[Group]) -> None:
 def transients_of(seen: Seen) -> dict[str, int]:
     """Return how many samples single frames of each group have alone, where any has:
     {"10 darks of 60 s at -5.0 C": 7}."""
-    found = {}
     counts = seen.statistics.transients.sum(axis=(1, 2))
+    found = {}
     for group, count in zip(seen.groups, counts, strict=True):
-        words = f"{len(group.frames)} {group.kind}s"
-        if group.exposure_time is not None:
-            words += f" of {group.exposure_time:g} s"
-        if group.temperature is not None:
-            words += f" at {group.temperature:.1f} C"
+        at = "" if group.temperature is None else f" at {group.temperature:.1f} C"
         if count:
-            found[words] = int(count)
+            found[f"{len(group.frames)} {group.words}{at}"] = int(count)
     return found

@@ -212,15 +212,7 @@ def rate_map(seen: Seen) -> Map | None:
     """Return (H, W) DN/s, the slope of pixels over exposure time but for a constant;
     None where the law of rates is not known either."""
     slope = slope_of(seen.statistics, "")
-    if slope is None:
-        return None
-    weights = slope.weights.astype(np.float32)
-    first, *others = map(int, np.flatnonzero(weights))
-    mean_of = seen.statistics.mean_of
-    found: Map = weights[first] * mean_of(first)
-    for g in others:
-        found += weights[g] * mean_of(g)
-    return found
+    return None if slope is None else seen.sum_of(slope.weights)
 
 
 def dark_current(

@@ -7,8 +7,6 @@ They count in no number: their spread is not that of the others. Source: EMVA St
 1288, release 4.0, section on defect pixels, whose bound is the application's.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +14,7 @@ from cg2raw.calibration.measured import Array, clipped_moments
 from cg2raw.calibration.seen import Seen
 from cg2raw.statistics.constant import PlaneStatistics, smooth_images
 
+Mask = NDArray[np.bool_]
 OFF = 1 / 3  # of the response of the surroundings; dust and shading are closer
 FAR = 8.0  # standard deviations of the pixels, where these are wider than that
 NO_RESPONSE = 0.05  # of the frame's median
@@ -23,55 +22,36 @@ SAME_CLIPPING = 0.002  # share of saturated pixels that makes no flat worse
 MOST_PLACES = 4  # lines that are named
 
 
-@dataclass(frozen=True)
-class Defects:
-    """counting : (H, W) bool, False in defects; None where all pixels count."""
-
-    counting: NDArray[np.bool_] | None = None
-
-    @property
-    def count(self) -> int:
-        return 0 if self.counting is None else int((~self.counting).sum())
-
-    def are_masked(self, seen: Seen) -> bool:
-        """Whether the statistics leave them all out."""
-        if self.counting is None:
-            return True
-        pairs = zip(seen.sites.of(self.counting), seen.statistics.planes, strict=True)
-        return all(bool((good | plane.masked).all()) for good, plane in pairs)
-
-    @property
-    def words(self) -> str:
-        """Say how many there are and where: whole lines, and the extent of the rest."""
-        if self.counting is None:
-            return ""
-        rest, places = ~self.counting, []
-        columns, rows = (np.flatnonzero(rest.mean(axis) > 0.5) for axis in (0, 1))
-        rest[:, columns] = rest[rows] = False
-        for name, lines in (("column", columns), ("row", rows)):
-            listed = ", ".join(map(str, lines[:MOST_PLACES]))
-            if len(lines):
-                more = ", ..." if len(lines) > MOST_PLACES else ""
-                places.append(f"{name}{'s' * (len(lines) > 1)} {listed}{more}")
-        y, x = np.nonzero(rest)
-        if len(y):
-            places.append(
-                f"{len(y)} {'others' if places else 'pixels'} in rows {y.min()} to "
-                f"{y.max()}, columns {x.min()} to {x.max()}"
-            )
-        return (
-            f"{self.count} of {rest.size} pixels respond to light by more than "
-            f"{OFF:.0%} less or more than their surroundings, and are in no number: "
-            f"{'; '.join(places)}"
+def words_of(defects: Mask) -> str:
+    """Say how many there are and where: whole lines, and the extent of the rest."""
+    rest, places = defects.copy(), []
+    columns, rows = (np.flatnonzero(rest.mean(axis) > 0.5) for axis in (0, 1))
+    rest[:, columns] = rest[rows] = False
+    for name, lines in (("column", columns), ("row", rows)):
+        listed = ", ".join(map(str, lines[:MOST_PLACES]))
+        if len(lines):
+            more = ", ..." if len(lines) > MOST_PLACES else ""
+            places.append(f"{name}{'s' * (len(lines) > 1)} {listed}{more}")
+    y, x = np.nonzero(rest)
+    if len(y):
+        places.append(
+            f"{len(y)} {'others' if places else 'pixels'} in rows {y.min()} to "
+            f"{y.max()}, columns {x.min()} to {x.max()}"
         )
+    return (
+        f"{int(defects.sum())} of {rest.size} pixels respond to light by more than "
+        f"{OFF:.0%} less or more than their surroundings, and are in no number: "
+        f"{'; '.join(places)}"
+    )
 
 
-def defects_of(seen: Seen, black: Array) -> Defects:
-    """Return the defects that the brightest flats with the fewest saturated pixels show
-    above the shortest darks; none without flats. black : (sites,) DN, without darks."""
+def defects_of(seen: Seen, black: Array) -> Mask | None:
+    """Return (H, W), True in the defects that the brightest flats with the fewest
+    saturated pixels show above the shortest darks; None where there are none, and
+    without flats. black : (sites,) DN, without darks."""
     flats = range(len(seen.darks), len(seen.groups))
     if not flats:
-        return Defects()
+        return None
     shares = {n: np.mean([f.saturated for f in seen.groups[n].frames]) for n in flats}
     least = min(shares.values()) + SAME_CLIPPING
     number = max(n for n in flats if shares[n] <= least)
@@ -81,14 +61,14 @@ def defects_of(seen: Seen, black: Array) -> Defects:
         response -= mean_of(dark)
     else:
         response -= seen.sites.spread(black, response.shape)
-    counting = np.ones(response.shape, bool)
-    views = map(seen.sites.of, (response, counting))
+    found = np.zeros(response.shape, bool)
+    views = map(seen.sites.of, (response, found))
     planes = zip(seen.statistics.planes, black, *views, strict=True)
-    for plane, level, above, counts in planes:
+    for plane, level, above, defects in planes:
         surroundings = smooth_of(plane, number)
         surroundings -= level if dark is None else smooth_of(plane, dark)
-        counts[:] = responding(above, surroundings)
-    return Defects(None if counting.all() else counting)
+        defects[:] = ~responding(above, surroundings)
+    return found if found.any() else None
 
 
 def smooth_of(plane: PlaneStatistics, number: int) -> Array:
@@ -99,7 +79,7 @@ def smooth_of(plane: PlaneStatistics, number: int) -> Array:
     return np.asarray(smooth + plane.level[number])
 
 
-def responding(plane: Array, surroundings: Array) -> NDArray[np.bool_]:
+def responding(plane: Array, surroundings: Array) -> Mask:
     """Return (h, w), True where one site's pixel responds as its surroundings do; both
     are DN above dark."""
     level = float(np.median(plane))

@@ -111,6 +111,12 @@ class Group:
         return float(np.mean(known)) if known else None
 
     @property
+    def words(self) -> str:
+        """What they are: "darks of 30 s"."""
+        time = self.exposure_time
+        return f"{self.kind}s" + ("" if time is None else f" of {time:g} s")
+
+    @property
     def level(self) -> Array:
         """(sites,) DN."""
         return np.asarray(np.mean([one.level for one in self.frames], axis=0))
@@ -250,7 +256,7 @@ def how_off(item: Scanned, group: Group, black: float) -> str:
     most = max(noise, SAME_LEVEL * (middle - black), FAR * spread)
     if abs(item.mean_level - middle) > most:
         return level_off(item.mean_level - middle, group, len(levels) - 1)
-    others = others_of(group, len(levels) - 1)
+    others = f"that of the {len(levels) - 1} other {group.words}"
     if not noise / NOISIER <= item.noise <= noise * NOISIER:
         return f"its noise is {item.noise:.2f} DN, {others} {noise:.2f} DN"
     if item.far > far + MORE_FAR_PIXELS:
@@ -274,13 +280,10 @@ def other_light(group: Group, groups: Sequence[Group]) -> str:
 def level_off(off: float, group: Group, count: int) -> str:
     """Return "its level is 3.0 DN above that of the 4 other darks"."""
     where = "above" if off > 0 else "below"
-    return f"its level is {abs(off):.1f} DN {where} {others_of(group, count)}"
-
-
-def others_of(group: Group, count: int) -> str:
-    """Return "that of the 4 other darks of 30 s"."""
-    time = "" if group.exposure_time is None else f" of {group.exposure_time:g} s"
-    return f"that of the {count} other {group.kind}s{time}"
+    return (
+        f"its level is {abs(off):.1f} DN {where} that of the {count} other "
+        f"{group.words}"
+    )
 
 
 def check_alike(group: Group, black: float) -> None:

@@ -6,27 +6,27 @@
 import math
 from collections.abc import Iterator, Sequence
 
+from cg2raw.calibration.calibration import STEADY, Calibration
+from cg2raw.calibration.defects import words_of
 from cg2raw.calibration.fitting import MOST_LOST
 from cg2raw.calibration.flats import HIGHEST, LINEAR, LOWEST
 from cg2raw.calibration.frames import Scanned
-from cg2raw.calibration.measurements import Measurements
-from cg2raw.calibration.updated_profile import STEADY
 from cg2raw.model.full_well import MOST_CLIPPED
 from cg2raw.statistics.codes import COARSE, hidden
 
 HIGH_MISFIT = 1.5  # of levels about their line, over what drift makes
 
 
-def notes_on(found: Measurements, scanned: Sequence[Scanned]) -> tuple[str, ...]:
+def notes_on(found: Calibration, scanned: Sequence[Scanned]) -> tuple[str, ...]:
     """Return sentences, each with what would help."""
     return *of_frames(found, scanned), *of_darks(found), *of_flats(found)
 
 
-def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> Iterator[str]:
+def of_frames(found: Calibration, scanned: Sequence[Scanned]) -> Iterator[str]:
     """Yield what is wrong with single frames, and why darks do not show their noise."""
     yield from (f"{name}: {why}: excluded" for name, why in found.excluded.items())
-    if found.defects.count:
-        yield found.defects.words
+    if found.defects is not None:
+        yield words_of(found.defects)
     if (step := found.sites.step) > 1:
         yield (
             f"codes: come in steps of {step} DN, as of fewer bits in the upper ones of "
@@ -57,7 +57,7 @@ def of_frames(found: Measurements, scanned: Sequence[Scanned]) -> Iterator[str]:
         )
 
 
-def of_darks(found: Measurements) -> Iterator[str]:
+def of_darks(found: Calibration) -> Iterator[str]:
     """Yield what darks could not show."""
     if not found.frames[0]:
         yield "black level: no darks; the profile's is used: capture biases"
@@ -97,7 +97,7 @@ def of_darks(found: Measurements) -> Iterator[str]:
         )
 
 
-def of_flats(found: Measurements) -> Iterator[str]:
+def of_flats(found: Calibration) -> Iterator[str]:
     """Yield what flats could not show."""
     if not found.frames[1]:
         yield "gain, PRNU, shading, linearity: no flats: capture some, of many levels"

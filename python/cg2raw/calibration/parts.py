@@ -14,8 +14,8 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.ndimage import median_filter
 
+from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.measured import MAD, Array
-from cg2raw.calibration.measurements import Measurements
 
 CERTAIN = 8.0  # standard deviations of what steps are elsewhere
 # What moves a number: of the temporal dark noise, of the response, of a variance.
@@ -29,7 +29,7 @@ ALTERNATE = "each"  # place of a step, of lines that alternate
 SIDES = ((1, "left and right", "columns"), (0, "top and bottom", "rows"))
 
 
-def check_one_chain(found: Measurements) -> None:
+def check_one_chain(found: Calibration) -> None:
     """Raise ValueError if the frames have parts that differ as amplifiers do."""
     for axis, sides, lines in SIDES:
         steps = dict[str, list[str]]()
@@ -51,7 +51,7 @@ def check_one_chain(found: Measurements) -> None:
         )
 
 
-def all_steps(found: Measurements, axis: int) -> Iterator[tuple[str, str]]:
+def all_steps(found: Calibration, axis: int) -> Iterator[tuple[str, str]]:
     """Yield (where a part ends, by what the next differs). axis : 1 for columns."""
     noise, maps = found.figure("temporal dark noise"), []
     if found.offset is not None and noise is not None:
@@ -110,7 +110,7 @@ def steps_along(profile: Array, width: int) -> Array:
     return found
 
 
-def noises_of(found: Measurements) -> Iterator[tuple[str, Array, Array]]:
+def noises_of(found: Calibration) -> Iterator[tuple[str, Array, Array]]:
     """Yield (name, variances or gains, their relative errors), (blocks,); none of a
     read noise that rounding shapes."""
     tails, read = found.tails, found.each("read noise")

@@ -10,9 +10,9 @@ from itertools import groupby
 import numpy as np
 from scipy.ndimage import uniform_filter
 
+from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.darks import HISTOGRAM
 from cg2raw.calibration.measured import Array, Measured
-from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.table import MOST_SITES, dynamic_range, rows_of, told
 from cg2raw.io.atomic_file import write_with_folder
 from cg2raw.io.map_image import SEQUENTIAL, map_image
@@ -30,7 +30,7 @@ SHOWN = (0.5, 99.5)  # per cent of the values that a scale spans
 QUANTITIES = ("quantity (EMVA 1288)", "value, standard error", "in electrons", "")
 
 
-def write_report(found: Measurements, folder: str) -> str:
+def write_report(found: Calibration, folder: str) -> str:
     """Write calibration.html into a folder, which is made if it is not there; return
     the page's path. Raises ValueError if Jinja2 or Pillow is missing, OSError; a folder
     that was not there is not there then."""
@@ -39,7 +39,7 @@ def write_report(found: Measurements, folder: str) -> str:
     return path
 
 
-def page_of(found: Measurements) -> Page:
+def page_of(found: Calibration) -> Page:
     """Return what the page says. Raises ValueError if Pillow is missing."""
     gain, rows = found.figure("gain"), rows_of(found)
     darks, flats = found.frames
@@ -117,7 +117,7 @@ def card(
     return Card(title, "", value, interval(of), evidence, charts=charts)
 
 
-def cards(found: Measurements) -> Iterator[Card]:
+def cards(found: Calibration) -> Iterator[Card]:
     """Yield a card for each curve that the frames show."""
     if found.transfer is not None and (gain := found.figure("gain")) is not None:
         yield from transfer(found, gain)
@@ -140,7 +140,7 @@ def cards(found: Measurements) -> Iterator[Card]:
         yield bias(found)
 
 
-def transfer(found: Measurements, gain: Measured) -> Iterator[Card]:
+def transfer(found: Calibration, gain: Measured) -> Iterator[Card]:
     """Yield variance against mean, and the line of the gain; and signal over noise, of
     a pixel from frame to frame, and with patterns."""
     assert found.transfer is not None
@@ -183,7 +183,7 @@ def transfer(found: Measurements, gain: Measured) -> Iterator[Card]:
     yield card("Signal to noise", value, None, evidence, chart)
 
 
-def dark_current(found: Measurements) -> Card:
+def dark_current(found: Calibration) -> Card:
     """Return the middles of darks against exposure time, a line per temperature."""
     dark = found.dark
     assert dark is not None
@@ -204,7 +204,7 @@ def dark_current(found: Measurements) -> Card:
     return Card("Dark current", "", *of, evidence, more, [chart])
 
 
-def temporal_noise(found: Measurements) -> Card:
+def temporal_noise(found: Calibration) -> Card:
     """Return the histogram of differences of darks against a normal one."""
     tails, noise = found.tails, found.figure("temporal dark noise")
     assert tails is not None
@@ -224,7 +224,7 @@ def temporal_noise(found: Measurements) -> Card:
     return card("Temporal dark noise", value, noise, evidence, chart)
 
 
-def bias(found: Measurements) -> Card:
+def bias(found: Calibration) -> Card:
     """Return the means of columns and rows of the offsets, with what was fitted."""
     structure = found.structure
     assert structure is not None
@@ -249,7 +249,7 @@ def bias(found: Measurements) -> Card:
     return card("Bias profiles", value, None, evidence, *charts)
 
 
-def maps(found: Measurements) -> Iterator[tuple[str, Sequence[Image]]]:
+def maps(found: Calibration) -> Iterator[tuple[str, Sequence[Image]]]:
     """Yield each map that the frames show, with its caption."""
     if found.offset is not None:
         yield drawn_map(

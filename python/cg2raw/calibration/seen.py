@@ -78,12 +78,16 @@ class Seen:
 
     def mean_over(self, numbers: Sequence[int]) -> NDArray[np.float32]:
         """Return (H, W) DN, the mean image of the frames of groups."""
-        frames = self.statistics.frames[list(numbers)]
-        shares = (frames / frames.sum()).astype(np.float32)
-        mean_of = self.statistics.mean_of
-        found: NDArray[np.float32] = shares[0] * mean_of(numbers[0])
-        for number, share in zip(numbers[1:], shares[1:], strict=True):
-            found += share * mean_of(number)
+        weights = np.zeros(len(self.statistics.groups))
+        weights[numbers] = self.statistics.frames[numbers]
+        return self.sum_of(weights / weights.sum())
+
+    def sum_of(self, weights: Array) -> NDArray[np.float32]:
+        """Return (H, W), the sum of mean images times (groups,) weights."""
+        first, *rest = map(int, np.flatnonzero(weights))
+        found = np.float32(weights[first]) * self.statistics.mean_of(first)
+        for number in rest:
+            found += np.float32(weights[number]) * self.statistics.mean_of(number)
         return found
 
     def known(self, mean: NDArray[np.float32]) -> NDArray[np.bool_]:
@@ -102,7 +106,7 @@ def seen_all(
     sensor: Sensor,
     sites: Sites,
     groups: Sequence[Group],
-    counting: NDArray[np.bool_] | None,
+    excluded: NDArray[np.bool_] | None,
     threads: int,
     tell: Callable[[float], None],
 ) -> Seen:
@@ -121,7 +125,7 @@ def seen_all(
         sites.side,
         sensor.white_level - sites.step + 1,
         step=sites.step,
-        excluded=None if counting is None else ~counting,
+        excluded=excluded,
         threads=threads,
         progress=tell,
     )

@@ -7,10 +7,10 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.darks import LEAST_LAMBDA
 from cg2raw.calibration.fitting import OF_LIGHT
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.structure import EXTENTS
 
 # Figures of the fit of all frames, by section.
@@ -49,7 +49,7 @@ class Row:
 Line = tuple[str, Measured | None, str]  # name, value, more of a row
 
 
-def rows_of(found: Measurements) -> list[Row]:
+def rows_of(found: Calibration) -> list[Row]:
     """Return all numbers of a calibration in the order of the physics."""
     sections = {
         "black": black_lines,
@@ -72,7 +72,7 @@ def rows_of(found: Measurements) -> list[Row]:
     return rows
 
 
-def black_lines(found: Measurements) -> Iterator[Line]:
+def black_lines(found: Calibration) -> Iterator[Line]:
     """Yield what stands in a dark of no time."""
     yield from figures(found, BLACK)
     s = found.structure
@@ -85,7 +85,7 @@ def black_lines(found: Measurements) -> Iterator[Line]:
     yield from figures(found, PATTERNS)
 
 
-def noise_lines(found: Measurements) -> Iterator[Line]:
+def noise_lines(found: Calibration) -> Iterator[Line]:
     """Yield the noise of a dark of no time."""
     yield from figures(found, NOISE)
     tails, shape = found.tails, ""
@@ -95,7 +95,7 @@ def noise_lines(found: Measurements) -> Iterator[Line]:
     yield "excess kurtosis", tails.excess_kurtosis if tails else None, shape
 
 
-def dark_lines(found: Measurements) -> Iterator[Line]:
+def dark_lines(found: Calibration) -> Iterator[Line]:
     """Yield what gathers with time."""
     if found.dark is None:
         yield "dark current, median", None, ""
@@ -123,7 +123,7 @@ def dark_lines(found: Measurements) -> Iterator[Line]:
         yield "amplifier glow", g.per_second if g.is_measured else None, at
 
 
-def light_lines(found: Measurements) -> Iterator[Line]:
+def light_lines(found: Calibration) -> Iterator[Line]:
     """Yield what light shows."""
     t, light = found.transfer, found.light
     gain, *others = OF_LIGHT
@@ -137,7 +137,7 @@ def light_lines(found: Measurements) -> Iterator[Line]:
     yield "lamp, frame to frame", found.lamp and found.lamp.scaled(100, "%"), ""
 
 
-def figures(found: Measurements, names: Sequence[str]) -> Iterator[Line]:
+def figures(found: Calibration, names: Sequence[str]) -> Iterator[Line]:
     """Yield figures of the fit, the mean of all sites: of few sites with each of them,
     of one with the 95 % interval; those missing without."""
     for name in names:
@@ -155,7 +155,7 @@ def figures(found: Measurements, names: Sequence[str]) -> Iterator[Line]:
         yield ROWS.get(name, name), value, more
 
 
-def dynamic_range(found: Measurements) -> Measured | None:
+def dynamic_range(found: Calibration) -> Measured | None:
     """Return saturation over temporal dark noise, dB; None if either is not known."""
     full = found.transfer.saturation if found.transfer else None
     noise = found.figure("temporal dark noise")
@@ -182,7 +182,7 @@ def told(value: Measured) -> str:
     return f"{number} +- {error}{unit}" if value.standard_error > 0 else number + unit
 
 
-def as_text(found: Measurements) -> str:
+def as_text(found: Calibration) -> str:
     """Return the table for a terminal."""
     lines, section = [], ""
     for row in rows_of(found):

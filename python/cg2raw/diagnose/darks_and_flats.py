@@ -100,7 +100,7 @@ class DarksAndFlats:
         """(H, W) samples that are none of a pattern: hot, or in a line that is."""
         if any(capture.divided for capture in self.used):
             return np.zeros(self.used[0].shape, bool)
-        return masked_in(self.statistics, self.used[0].shape)
+        return self.statistics.masked(self.used[0].shape)
 
     def levels_of(
         self, statistics: ConstantStatistics, fit: Fit, named: Collection[str] = ()
@@ -290,29 +290,15 @@ def _below(
     ]
 
 
-def masked_in(
-    statistics: ConstantStatistics, shape: tuple[int, int]
-) -> NDArray[np.bool_]:
-    """Return (H, W), which samples of frames are masked."""
-    side = round(len(statistics.planes) ** 0.5)
-    found = np.zeros(shape, bool)
-    for site, plane in enumerate(statistics.planes):
-        row, column = divmod(site, side)
-        h, w = plane.masked.shape
-        found[row : side * h : side, column : side * w : side] = plane.masked
-    return found
-
-
 def lines_apart(
     statistics: ConstantStatistics, captures: Sequence[Capture]
 ) -> Iterator[str]:
     """Yield a sentence on rows, and on columns, that are as a whole so far from the
     others that no pattern has them, with their places; none of those that a capture's
     own mask leaves out."""
-    shape = captures[0].shape
-    masked = masked_in(statistics, shape)
+    masked = statistics.masked(captures[0].shape)
     counted = [capture.mask() for capture in captures if capture.mask is not None]
-    known = np.all(counted, axis=0) if counted else np.ones(shape, bool)
+    known = np.all(counted, axis=0) if counted else np.ones(masked.shape, bool)
     for axis, line in ((1, "row"), (0, "column")):
         apart = masked.all(axis=axis) & known.any(axis=axis)
         if (places := np.flatnonzero(apart)).size:

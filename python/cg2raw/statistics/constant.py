@@ -238,6 +238,17 @@ class ConstantStatistics:
         found: NDArray[np.intp] = darks[times == times.min(initial=np.inf)]
         return found
 
+    def masked(self, shape: tuple[int, int]) -> NDArray[np.bool_]:
+        """Return (H, W), which samples are masked, of frames of a shape, whose last
+        lines may be in none of the planes."""
+        side = round(len(self.planes) ** 0.5)
+        found = np.zeros(shape, bool)
+        for site, plane in enumerate(self.planes):
+            row, column = divmod(site, side)
+            h, w = plane.masked.shape
+            found[row : side * h : side, column : side * w : side] = plane.masked
+        return found
+
     def only(self, numbers: Sequence[int]) -> "ConstantStatistics":
         """Return the statistics of some of the groups."""
         at = list(numbers)

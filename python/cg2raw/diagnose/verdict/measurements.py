@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.darks import DarkResults, read_darks
 from cg2raw.calibration.fitting import Fitted, lost_of, with_levels
 from cg2raw.calibration.flats import Light, light_of
 from cg2raw.calibration.frames import SAME_LEVEL
-from cg2raw.calibration.measurements import Measurements
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import sites_of
 from cg2raw.diagnose.captures.splits import GROUPS
@@ -23,14 +23,14 @@ from cg2raw.statistics.dark_rates import dark_rates
 from cg2raw.statistics.frame_statistics import MOST_CUT
 
 
-def measurements_of(found: DarksAndFlats, wanted: Collection[str]) -> Measurements:
+def measurements_of(found: DarksAndFlats, wanted: Collection[str]) -> Calibration:
     """Return what training and validation frames together show of effects; of others,
     what the fit has. wanted : names of the effects."""
     seen = _seen(found)
     lost, _ = lost_of(seen)
     fit = Fitted(_figures(found, wanted), lost=lost)
     sensor, capture = found.captures.sensor, found.used[0]
-    measured = Measurements(
+    measured = Calibration(
         sensor=sensor,
         sites=seen.sites,
         shape=capture.shape,

@@ -8,9 +8,9 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 
 import numpy as np
 
+from cg2raw.calibration.calibration import effects_found
 from cg2raw.calibration.fitting import BLACK
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.updated_profile import effects_found
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.darks_and_flats import (
     VALIDATION,

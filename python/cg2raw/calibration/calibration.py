@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Updated profile: a sensor with what was measured in place of what it had.
+"""Calibration: all that darks and flats show of a sensor, each with its error; and the
+sensor's profile with what was measured in place of what it had.
 
 Effects are in units of the signal, which is 1 at white, above black. One is called for
 if it stands out from its standard error; where it was looked for and does not, the
@@ -10,15 +11,19 @@ profile is not to have it."""
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import gammaincinv
 
 from cg2raw import _core
-from cg2raw.calibration.flats import FULL_WELL
+from cg2raw.calibration.darks import DarkResults
+from cg2raw.calibration.fitting import Fitted, of_all, of_sites
+from cg2raw.calibration.flats import FULL_WELL, FlatResults
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.measurements import Measurements
+from cg2raw.calibration.sites import Sites
 from cg2raw.io.json_text import formatted
 from cg2raw.sensor import Sensor
 
@@ -35,7 +40,65 @@ Found = Mapping[str, float | Measured]
 Answer = tuple[str, Found | None]  # an effect's name and values; None: not called for
 
 
-def updated_profile(found: Measurements, sensor: Sensor) -> tuple[str, list[str]]:
+@dataclass(frozen=True, kw_only=True)
+class Calibration(DarkResults, FlatResults):
+    """What frames of uniform light and of none show; None where they cannot, and why
+    is in the notes.
+
+    sensor : whose profile was given. iso : of the frames, None if nobody says it.
+    shape : (H, W) px. frames : (darks, flats). fit : figures by one likelihood, and why
+    darks do not show all of them. repeats : how many of the shortest darks repeat each
+    other, group by group. excluded : {name of a frame that is none of its repeats: how
+    it is off}. transients : {group: how many pixels of single frames are far off their
+    repeats, by cosmic rays or flicker}. defects : (H, W), None where there are none."""
+
+    sensor: Sensor
+    sites: Sites
+    shape: tuple[int, int]
+    iso: float | None
+    frames: tuple[int, int]
+    fit: Fitted = field(default_factory=Fitted)
+    repeats: tuple[int, ...] = ()
+    transients: Mapping[str, int] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    excluded: Mapping[str, str] = field(default_factory=dict)
+    defects: NDArray[np.bool_] | None = field(default=None, repr=False)
+
+    def figure(self, name: str) -> Measured | None:
+        """Return a figure with its standard error, the mean of all sites; None if it is
+        missing. name : as in the table."""
+        return of_all(self.fit.figures, name)
+
+    def each(self, name: str) -> tuple[Measured, ...]:
+        """Return a figure of each site; nothing if it is missing."""
+        return of_sites(self.fit.figures, name)
+
+    @property
+    def black(self) -> NDArray[np.float64]:
+        """(sites,) DN: as measured, else the profile's."""
+        found = [one.value for one in self.each("black level")]
+        return np.array(found or self.sensor.black_level, float)
+
+    @property
+    def range(self) -> float:
+        """White above black, DN, mean of all sites: the unit of a signal."""
+        return self.sensor.white_level - float(self.black.mean())
+
+    def updated_profile(self, sensor: Sensor | None = None) -> str:
+        """Return the JSON of a sensor's profile with what was measured.
+
+        sensor : in place of the one that was calibrated. The black level, the row of
+        noise at the frames' ISO and effects that stand out are replaced; effects that
+        were looked for and do not are taken out; all else stays.
+        Raises ValueError naming field, value and bound."""
+        return updated_profile(self, sensor or self.sensor)[0]
+
+    def profile_notes(self) -> list[str]:
+        """Return what stands out and cannot be written into a profile."""
+        return updated_profile(self, self.sensor)[1]
+
+
+def updated_profile(found: Calibration, sensor: Sensor) -> tuple[str, list[str]]:
     """Return (JSON of a sensor's profile with what was measured, notes)."""
     profile = json.loads(sensor.to_json())
     known = {effect["name"]: effect for effect in _core.effects()}
@@ -72,7 +135,7 @@ def has_shapes(profile: dict[str, Any]) -> bool:
     return any("tukey_lambda" in row for row in profile.get("noise", []))
 
 
-def notes_on(found: Measurements) -> Iterator[str]:
+def notes_on(found: Calibration) -> Iterator[str]:
     """Yield a note on heavy tails, which a row of noise may say."""
     if (tails := found.tails) and tails.excess_kurtosis and tails.are_heavy:
         yield (
@@ -82,7 +145,7 @@ def notes_on(found: Measurements) -> Iterator[str]:
         )
 
 
-def effects_found(found: Measurements, has_shapes: bool) -> dict[str, Found | None]:
+def effects_found(found: Calibration, has_shapes: bool) -> dict[str, Found | None]:
     """Return {effect: its values, None if it does not stand out}; what the frames
     cannot show is not in it.
 
@@ -93,7 +156,7 @@ def effects_found(found: Measurements, has_shapes: bool) -> dict[str, Found | No
     return answers
 
 
-def of_bias(c: Measurements) -> Iterator[Answer]:
+def of_bias(c: Calibration) -> Iterator[Answer]:
     """Yield what darks of no time show."""
     if (s := c.structure) is not None:
         ramps = {"horizontal": s.horizontal, "vertical": s.vertical}
@@ -124,7 +187,7 @@ def of_bias(c: Measurements) -> Iterator[Answer]:
 
 
 def deviation(
-    c: Measurements, effect: str, name: str, is_chance: bool | None = None
+    c: Calibration, effect: str, name: str, is_chance: bool | None = None
 ) -> Iterator[Answer]:
     """Yield a deviation of the fit, by name, as an effect's sigma. is_chance : None to
     ask its error."""
@@ -135,7 +198,7 @@ def deviation(
         yield effect, None if is_chance or not found.value else {"sigma": sigma}
 
 
-def of_darks(c: Measurements) -> Iterator[Answer]:
+def of_darks(c: Calibration) -> Iterator[Answer]:
     """Yield what gathers with time."""
     if c.dark is not None:
         rate = c.dark.rate
@@ -159,7 +222,7 @@ def of_darks(c: Measurements) -> Iterator[Answer]:
         yield "amplifier_glow", glow if g.is_measured else None
 
 
-def of_light(c: Measurements) -> Iterator[Answer]:
+def of_light(c: Calibration) -> Iterator[Answer]:
     """Yield what flats show, and the step of all codes."""
     yield from deviation(c, "prnu", "PRNU")
     if (light := c.light) is not None:
@@ -178,7 +241,7 @@ def of_light(c: Measurements) -> Iterator[Answer]:
 
 
 def add_noise(
-    profile: dict[str, Any], found: Measurements, sensor: Sensor, source: str
+    profile: dict[str, Any], found: Calibration, sensor: Sensor, source: str
 ) -> list[str]:
     """Put a row of the frames' ISO among the noise; return notes.
 
@@ -213,7 +276,7 @@ def add_noise(
     return []
 
 
-def betas_of(found: Measurements, sensor: Sensor) -> dict[str, list[float]]:
+def betas_of(found: Calibration, sensor: Sensor) -> dict[str, list[float]]:
     """Return beta1 and beta2 of each site, what was not measured by the profile; what
     neither says is missing."""
     count, betas = found.sites.count, dict[str, list[float]]()
