@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from cg2raw.calibration.darks import DarkResults, Map
 from cg2raw.calibration.measured import (
-    LEAST_SIGMA,
     SIGNIFICANT,
     Array,
     Measured,
@@ -190,28 +189,17 @@ def transfer_points(
 
     darker : points of darker flats, which tell where wells are full."""
     variance, error = seen.statistics.block_noise(number)
-    image = seen.statistics.mean_of(number)
-    sites = seen.sites
-    means, levels, least = [], [], LEAST_SIGMA * sites.step
-    kept = sites.of(seen.known(image))
-    for plane, used, level in zip(sites.of(image), kept, black, strict=True):
-        if used.any():
-            levels.append(float(plane[used].mean(dtype=np.float64)) - level)
-        for block, mask in zip(blocks_of(plane), blocks_of(used), strict=True):
-            some = block[mask]
-            middle = clipped_moments(some, least)[0] if some.size > 8 else level
-            means.append(middle - level)
     largest = np.max([p.variance for p in darker], axis=0) if darker else 0.0
     full = variance * (1 + CERTAIN * error) < CEILING * largest
     return TransferPoints(
-        np.reshape(means, variance.shape),
+        seen.statistics.block_levels(number) - black[:, None],
         variance,
         error,
-        float(np.mean(levels)),
+        float(seen.levels(number).mean() - black.mean()),
         seen.groups[number].exposure_time,
         int(seen.statistics.frames[number]),
         max(seen.clipped(number), float(np.average(full, weights=error**-2))),
-        float(np.median(variance)) < COARSE * sites.step**2,
+        float(np.median(variance)) < COARSE * seen.sites.step**2,
     )
 
 

@@ -21,7 +21,6 @@ LEFT = 1 - 2 * CUT * math.exp(-CUT * CUT / 2) / math.sqrt(2 * math.pi) / math.er
 MAD = 1.4826  # of a normal distribution: sigma over the median absolute deviation
 ROUNDS = 6
 ENOUGH = 20_000  # values for a median that only begins
-LEAST_SIGMA = 0.5  # steps of codes, below which no cut goes: it would lose all but one
 
 
 @dataclass(frozen=True)
@@ -51,18 +50,16 @@ class Measured:
         return self.value > 2 * SIGNIFICANT * self.standard_error
 
 
-def clipped_moments(values: Array, least: float = 0.0) -> tuple[float, float]:
+def clipped_moments(values: Array) -> tuple[float, float]:
     """Return mean and standard deviation of what lies within 4 sigma.
 
-    values : any shape, finite. least : sigma of the narrowest cut, one half of a step
-    where values have been rounded. Median and MAD, which of whole DN is an artefact,
-    are a start alone."""
+    values : any shape, finite. Median and MAD are a start alone."""
     flat = values.ravel()
     some = flat[:: max(1, flat.size // ENOUGH)]
     mean, before = float(np.median(some)), (0, 0.0)
-    sigma = max(MAD * float(np.median(np.abs(some - mean))), least)
+    sigma = MAD * float(np.median(np.abs(some - mean)))
     for _ in range(ROUNDS):
-        kept = flat[np.abs(flat - mean) <= CUT * max(sigma, least)]
+        kept = flat[np.abs(flat - mean) <= CUT * sigma]
         mean = float(kept.mean(dtype=np.float64))
         sigma = max(float(kept.std(dtype=np.float64)) / math.sqrt(LEFT), 1e-12)
         if before == (before := (kept.size, mean)):
