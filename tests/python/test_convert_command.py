@@ -16,6 +16,7 @@ from match.match_sets import match_file
 from python import commands
 
 BASE = ["--sensor", "samsung-s20fe", "--illuminant", "D65"]
+UPI = ["--sensor", "nikon-d40", "--method", "upi"]
 # Sensor, illuminant, ISO, seed, convention: CFAs, levels and bits of all kinds.
 COMBINATIONS = [
     ("samsung-s20fe", "2856K", 3200, 7, "dng"),
@@ -304,11 +305,9 @@ BAD = [
     ([*BASE, "--noise", "upi"], 1, "--method upi"),
     ([*BASE, "--upi-gains", "camera"], 1, "--method upi"),
     ([*BASE, "--method", "upi"], 1, "--illuminant"),
-    (
-        ["--sensor", "nikon-d40", "--method", "upi", "--digital-gain", "sample"],
-        1,
-        "--digital-gain",
-    ),
+    ([*UPI, "--digital-gain", "sample"], 1, "--digital-gain"),
+    ([*UPI, "--upi-sensors", "nikon-d4"], 1, "did you mean nikon-d40?"),
+    ([*UPI, "--upi-sensors", "canon-5d,canon-5d"], 1, "--upi-sensors: canon-5d and"),
     ([*BASE, "--attrib", "dng:iso", "many"], 1, '--iso "many" must be an ISO'),
     ([*BASE, "--attrib", "dng:colour", "red"], 1, "--colour is unknown; known: --s"),
     ([*BASE, "--attrib", "dng:shadng", "baked"], 1, "did you mean --shading? known:"),
@@ -340,7 +339,7 @@ def test_other_primaries_and_spaces_are_refused(tmp_path, scene):
 
 def test_method_upi_is_the_class_upi(exr, scene, tmp_path):
     out, same = tmp_path / "shot.dng", tmp_path / "same.dng"
-    words = ["--method", "upi", "--sensor", "nikon-d40", "--seed", 3, "--noise", "upi"]
+    words = [*UPI, "--seed", 3, "--noise", "upi"]
     words += ["--upi-sensors", "nikon-d40,canon-5d", "--upi-gains", "camera"]
     done = commands.run("convert", exr, "-o", out, *words, "--json")
     assert done.code == 0, done.err

@@ -8,17 +8,20 @@ from cg2raw import _core
 
 
 def asked_sensors(
-    words: str, load: Callable[[str], _core.SensorProfile] = _core.load_profile
+    words: str,
+    load: Callable[[str], _core.SensorProfile] = _core.load_profile,
+    option: str = "--sensors",
 ) -> list[_core.SensorProfile]:
     """Return the core profiles of "all" or of "id,id,path.json". Raises ValueError.
 
-    load : gives the profile of an id or path."""
+    load : gives the profile of an id or path.
+    option : that gave the words, for messages."""
     ids = _core.installed_profiles() if words == "all" else words.split(",")
     if not ids:
         folders = ":".join(_core.profile_folders()) or "no folder"
-        raise ValueError(f"--sensors all: none in {folders}")
+        raise ValueError(f"{option} all: none in {folders}")
     profiles = [load(id.strip()) for id in ids]
-    refuse_twice("--sensors", [profile.id for profile in profiles])
+    refuse_twice(option, [profile.id for profile in profiles])
     return profiles
 
 

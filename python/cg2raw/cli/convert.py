@@ -245,16 +245,13 @@ def check_method(arguments: argparse.Namespace) -> bool:
 def upi_of(arguments: argparse.Namespace) -> "Upi":
     """Return the Upi of a command line."""
     from cg2raw.cli._pairs import asked_sensors
-    from cg2raw.upi import PAPER_SENSORS, Upi
+    from cg2raw.sensor import Sensor
+    from cg2raw.upi import PAPER_SENSORS, SensorLike, Upi
 
-    matrices = list(PAPER_SENSORS)
+    matrices: list[SensorLike] = list(PAPER_SENSORS)
     if arguments.upi_sensors:
-        asked_sensors(arguments.upi_sensors)
-        matrices = [word.strip() for word in arguments.upi_sensors.split(",")]
-        if arguments.upi_sensors == "all":
-            from cg2raw import installed_profiles
-
-            matrices = installed_profiles()
+        asked = asked_sensors(arguments.upi_sensors, option="--upi-sensors")
+        matrices = [Sensor.from_profile(profile) for profile in asked]
     return Upi(
         arguments.sensor,
         matrices=matrices,
