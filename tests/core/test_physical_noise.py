@@ -211,9 +211,11 @@ def test_darks_of_the_physical_model_have_all_of_beta2():
         assert rows == pytest.approx(1e-6 + of_pixels, rel=4 * np.sqrt(2 / 4096))
 
 
+# White is no multiple of the step.
+@pytest.mark.parametrize("effects", [(), [("quantisation", {"step": 0.07})]])
 @pytest.mark.parametrize("level", [1.0, 50.0])
-def test_saturated_pixels_are_white_in_the_physical_model(level):
-    sensor = sensor_of(noise=NOISE)
+def test_saturated_pixels_are_white_in_the_physical_model(level, effects):
+    sensor = sensor_of(effects, noise=NOISE)
     rgb = np.full((64, 64, 3), level, np.float32)
     raw = sensor.simulate(rgb, illuminant="A", **PHYSICAL)
     assert (raw == sensor.white_level).all()
