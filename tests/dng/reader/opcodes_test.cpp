@@ -222,11 +222,12 @@ TEST(DngLensShading, IsTheProductOfMapsAndTheMeanOfSites)
     // is 1.
     red.gain = [=](double v, double h) { return undone(v, h) / 1.06 * 0.98; };
     red.row_pitch = red.col_pitch = 2;
+    red.area = { 0, 0, 5, 7 }; // its own pixels end before the frame
     others.gain = [](double, double) { return 1 / 0.98; };
     OpcodeBuilder rest = shaded(planted, 1.0);
     std::vector<TestOpcode> maps { others.gain_map(), red.gain_map() };
-    for (std::vector<std::uint32_t> area : { std::vector<std::uint32_t> { 0, 1, 6, 8 },
-                                             { 1, 0, 6, 8 },
+    for (std::vector<std::uint32_t> area : { std::vector<std::uint32_t> { 0, 1, 5, 8 },
+                                             { 1, 0, 6, 7 },
                                              { 1, 1, 6, 8 } }) {
         rest.area = area;
         rest.row_pitch = rest.col_pitch = 2;
@@ -235,6 +236,15 @@ TEST(DngLensShading, IsTheProductOfMapsAndTheMeanOfSites)
     const ProfileOfDngs made = profile_from_dngs({ read(with_list2(maps)) });
     expect_planted(made.profile, 1e-6);
     EXPECT_TRUE(has_note(made.notes, "GainMaps of the CFA's sites differ by 3.464 %"));
+}
+
+TEST(DngLensShading, PointsWhoseGainRestoresNothingAreLeftOut)
+{
+    OpcodeBuilder map = shaded(planted);
+    map.gain = [undone = map.gain](double v, double h) {
+        return v + h == 0.0 ? 1000.0 : undone(v, h);
+    };
+    expect_planted(profile_from_dng(read(with_list2({ map.gain_map() }))), 1e-6);
 }
 
 TEST(DngLensShading, WhatTheEffectCannotBeIsNotedAndLeftOut)
