@@ -5,6 +5,7 @@
 import numpy as np
 
 import cg2raw
+from cg2raw.diagnose.captures.reader import read_captures
 from dng import dng_files
 
 SHAPE = (48, 64)
@@ -37,6 +38,15 @@ def manifest(folder, frames, top=f"sensor: {SENSOR}"):
     path = folder / "captures.yaml"
     path.write_text("\n".join([top, "frames:", *(f"  - {line}" for line in frames)]))
     return path
+
+
+def read_series(folder, fields, *top):
+    """Write N.npy and a line for each of @fields; return what is read of them."""
+    lines = []
+    for index, words in enumerate(fields):
+        frame(folder, f"{index}.npy", frame=index)
+        lines.append(f"{{file: {index}.npy, {words}}}")
+    return read_captures(manifest(folder, lines, *top))
 
 
 def standard_set(folder, most=None):

@@ -46,14 +46,6 @@ def paths_of_strings(tree):
     return [path for path, value in leaves(tree) if isinstance(value, str)]
 
 
-def with_strings(tree, text):
-    """Return (tree with text(n) as its n-th string, [those strings])."""
-    strings = paths_of_strings(tree)
-    for count, path in enumerate(strings):
-        tree = with_leaf(tree, path, text(count))
-    return tree, [text(count) for count in range(len(strings))]
-
-
 def with_mapping_keys(mapping, text):
     """Return a mapping with text(n) as its n-th key."""
     return {text(n): value for n, value in enumerate(mapping.values())}

@@ -27,6 +27,23 @@ FULL_WELL, READ_NOISE = 5000.0, 3.0  # electrons
 READ = READ_NOISE / FULL_WELL  # read noise in signal
 ONE = Workers(1)
 BY_NAME = {effect.name: effect for effect in candidates("RGGB")}
+# Of effects of light: what a few small frames show by far, in the middle of a range.
+PLANTED = {
+    "exposure": (0.05,),
+    "white_balance": (0.05, -0.04),
+    "color_matrix": (0.04, -0.02, 0.03, 0.02, -0.03, 0.02),
+    "blur": (0.1, 0.02, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0),
+    "color_shading": (0.06, 0.0, 0.0, 0.0, -0.05, 0.0, 0.0, 0.0),
+    "lateral_chromatic_aberration": (0.5, -0.4, 0.0, 0.0),
+    "lens_distortion": (0.6, -0.2),
+    "lens_shading": (-0.2, -0.05, 0.0, 0.01, 0.0, 0.0, 0.0, *20 * (0.0,)),
+    "veiling_glare": (0.03, 0.02),
+    "crosstalk": (0.01, 0.02, 0.015, 0.01),
+    "gr_gb_imbalance": (0.02, -0.01),
+    "nonlinearity": (0.06, 0.02),
+    "full_well": (0.55,),
+    "black_level": (0.002, -0.001, 0.003, 0.001),
+}
 
 
 def sensor_of(full_well=FULL_WELL, read_noise=READ_NOISE, **fields):
@@ -38,6 +55,14 @@ def sensor_of(full_well=FULL_WELL, read_noise=READ_NOISE, **fields):
     profile.update({"id": "planted", **levels, "effects": [], **fields})
     bare = Sensor.from_json(json.dumps(profile), "planted")
     return with_noise(bare, full_well, read_noise, ISO)
+
+
+def x_trans():
+    """Return a sensor of 6 x 6 sites, the same at all of them."""
+    profile = json.loads(Sensor("fujifilm-x-m1").to_json())
+    sites = len(profile["cfa"])
+    noise = {"iso": ISO, "beta1": [2e-4] * sites, "beta2": [4e-7] * sites}
+    return Sensor.from_json(json.dumps({**profile, "noise": [noise]}), "xtrans")
 
 
 @cache

@@ -182,11 +182,8 @@ FLAT = "kind: flat, illuminant: A, scene"
 )
 def test_what_captures_cannot_tell_is_said(tmp_path, frames, words):
     np.save(tmp_path / "r.npy", files.picture())
-    lines = []
-    for index, fields in enumerate(frames):
-        files.frame(tmp_path, f"{index}.npy", frame=index)
-        lines.append(f"{{file: {index}.npy, iso: 100, {fields}}}")
-    notes = read_captures(files.manifest(tmp_path, lines)).notes
+    fields = [f"iso: 100, {words}" for words in frames]
+    notes = files.read_series(tmp_path, fields).notes
     notes = [n for n in notes if "divided" not in n and "optical centre" not in n]
     assert len(notes) == len(words)
     for note, word in zip(notes, words, strict=True):
@@ -205,12 +202,8 @@ def test_what_captures_cannot_tell_is_said(tmp_path, frames, words):
     ],
 )  # fmt: skip
 def test_a_sensor_that_warmed_up_is_said(tmp_path, degrees, words):
-    lines = []
-    for index, warm in enumerate(degrees):
-        files.frame(tmp_path, f"{index}.npy", frame=index)
-        more = "" if warm is None else f", temperature: {warm}"
-        lines.append(f"{{file: {index}.npy, kind: dark{more}}}")
-    notes = read_captures(files.manifest(tmp_path, lines)).notes
+    said = ["" if warm is None else f", temperature: {warm}" for warm in degrees]
+    notes = files.read_series(tmp_path, ["kind: dark" + words for words in said]).notes
     told = [note for note in notes if "the sensor was at" in note]
     assert bool(told) == bool(words)
     assert not words or words in told[0]

@@ -131,22 +131,17 @@ def test_masks_of_set_and_frame_are_one(tmp_path):
     whole[:10], own[:, :20] = 0, 0
     np.save(tmp_path / "dust.npy", whole)
     np.save(tmp_path / "own.npy", own)
-    lines = []
-    for index in range(3):
-        files.frame(tmp_path, f"{index}.npy", frame=index)
-        mask = ", mask: own.npy" if index == 1 else ""
-        lines.append(f"{{file: {index}.npy, kind: dark{mask}}}")
+    fields = ["kind: dark", "kind: dark, mask: own.npy", "kind: dark"]
     top = f"sensor: {files.SENSOR}\nmask: dust.npy"
-    found = by_name(read_captures(files.manifest(tmp_path, lines, top)))
+    found = by_name(files.read_series(tmp_path, fields, top))
     np.testing.assert_array_equal(found["0.npy"].mask(), whole != 0)
     np.testing.assert_array_equal(found["1.npy"].mask(), (whole & own) != 0)
 
 
 def test_a_single_frame_is_divided_by_pixels(tmp_path):
-    files.frame(tmp_path, "a.npy")
-    captures = read_captures(files.manifest(tmp_path, ["{file: a.npy, kind: dark}"]))
+    captures = files.read_series(tmp_path, ["kind: dark"])
     assert [capture.group for capture in captures.captures] == list(GROUPS)
-    assert captures.captures[0].name == "a.npy (fit pixels)"
+    assert captures.captures[0].name == "0.npy (fit pixels)"
     masks = np.array([capture.mask() for capture in captures.captures])
     np.testing.assert_array_equal(masks.sum(axis=0), 1)
     assert masks.any(axis=1).all() and masks.any(axis=2).all()
@@ -154,42 +149,25 @@ def test_a_single_frame_is_divided_by_pixels(tmp_path):
     assert any("only darks" in note for note in captures.notes)
 
 
+FLAT = "kind: flat, scene: 0.2, illuminant: D65, set: "
+
+
 @pytest.mark.parametrize(
-    ("sets", "expected"),
+    ("kind", "sets", "expected"),
     [
-        ("aaaa", "fit select report fit"),
-        ("aabb", "fit select report fit"),
-        ("abca", "fit select report fit"),
+        # What pixels have in common from frame to frame only other frames tell.
+        (FLAT, "aaaa", "fit select report fit"),
+        (FLAT, "aabb", "fit select report fit"),
+        (FLAT, "abca", "fit select report fit"),
+        # A group is that of all frames of its set.
+        (FLAT, ["a", "a, group: report", *"bbb"], "report report fit select fit"),
+        ("kind: dark, set: ", "aabbcc", "fit fit select select report report"),
     ],
 )
-def test_flats_of_fewer_than_three_sets_are_divided_one_by_one(
-    tmp_path, sets, expected
-):
-    """What pixels have in common from frame to frame only other frames tell."""
-    lines = []
-    for index, name in enumerate(sets):
-        files.frame(tmp_path, f"{index}.npy", frame=index)
-        lines.append(
-            f"{{file: {index}.npy, kind: flat, scene: 0.2, illuminant: D65, "
-            f"set: {name}}}"
-        )
-    captures = read_captures(files.manifest(tmp_path, lines))
+def test_groups_of_sets(tmp_path, kind, sets, expected):
+    captures = files.read_series(tmp_path, [kind + name for name in sets])
     assert " ".join(capture.group for capture in captures.captures) == expected
     assert not any("divided by pixels" in note for note in captures.notes)
-
-
-def test_a_group_is_that_of_all_frames_of_its_set(tmp_path):
-    lines = []
-    for index, group in enumerate(("", ", group: report", "", "", "")):
-        files.frame(tmp_path, f"{index}.npy", frame=index)
-        name = "a" if index < 2 else "b"
-        lines.append(
-            f"{{file: {index}.npy, kind: flat, scene: 0.2, illuminant: D65, "
-            f"set: {name}{group}}}"
-        )
-    captures = read_captures(files.manifest(tmp_path, lines)).captures
-    groups = [capture.group for capture in captures]
-    assert groups == ["report", "report", "fit", "select", "fit"]
 
 
 def test_thirds_of_a_chart_are_of_its_patches(tmp_path):
@@ -204,12 +182,8 @@ def test_thirds_of_a_chart_are_of_its_patches(tmp_path):
 
 
 def test_darks_of_two_times_are_in_each_group(tmp_path):
-    lines = []
-    for index in range(6):
-        files.frame(tmp_path, f"{index}.npy", frame=index)
-        time = 0.1 if index < 3 else 2
-        lines.append(f"{{file: {index}.npy, kind: dark, exposure_time: {time}}}")
-    captures = read_captures(files.manifest(tmp_path, lines)).captures
+    fields = [f"kind: dark, exposure_time: {t}" for t in 3 * (0.1,) + 3 * (2,)]
+    captures = files.read_series(tmp_path, fields).captures
     for group in GROUPS:
         assert {c.exposure_time for c in captures if c.group == group} == {0.1, 2.0}
 
@@ -220,46 +194,28 @@ def test_darks_of_two_times_are_in_each_group(tmp_path):
 )
 def test_darks_that_repeat_in_no_group_are_divided_by_pixels(tmp_path, times, parts):
     """One exposure time alone does not tell charge from offsets."""
-    lines = []
-    for index, time in enumerate(times):
-        files.frame(tmp_path, f"{index}.npy", frame=index)
-        lines.append(f"{{file: {index}.npy, kind: dark, exposure_time: {time}}}")
-    read = read_captures(files.manifest(tmp_path, lines))
+    fields = [f"kind: dark, exposure_time: {time}" for time in times]
+    read = files.read_series(tmp_path, fields)
     assert len(read.captures) == parts
     assert any("exposure time" in note for note in read.notes) == (parts == 9)
 
 
 def test_darks_of_two_temperatures_are_in_each_group(tmp_path):
-    lines = []
-    for index in range(6):
-        files.frame(tmp_path, f"{index}.npy", frame=index)
-        degrees = -10 - 0.1 * index if index % 2 else 20 + 0.1 * index
-        line = f"{{file: {index}.npy, kind: dark, exposure_time: 1"
-        lines.append(f"{line}, temperature: {degrees}}}")
-    captures = read_captures(files.manifest(tmp_path, lines)).captures
+    degrees = (20, -10.1, 20.2, -10.3, 20.4, -10.5)
+    fields = [f"kind: dark, exposure_time: 1, temperature: {t}" for t in degrees]
+    captures = files.read_series(tmp_path, fields).captures
     for group in GROUPS:
         warm = [c.temperature > 0 for c in captures if c.group == group]
         assert sorted(warm) == [False, True]
 
 
 def test_the_temperature_of_all_frames_and_of_one(tmp_path):
-    files.frame(tmp_path, "a.npy")
-    files.frame(tmp_path, "b.npy", frame=1)
-    lines = ["{file: a.npy, kind: dark}", "{file: b.npy, kind: dark, temperature: 5}"]
-    path = files.manifest(tmp_path, lines, f"sensor: {files.SENSOR}\ntemperature: -20")
-    captures = read_captures(path).captures
-    assert {c.name[0]: c.temperature for c in captures} == {"a": -20.0, "b": 5.0}
-    path = files.manifest(tmp_path, lines[:1])
-    assert read_captures(path).captures[0].temperature is None
-
-
-def test_frames_of_a_set_stay_together(tmp_path):
-    lines = []
-    for index in range(6):
-        files.frame(tmp_path, f"{index}.npy", frame=index)
-        lines.append(f"{{file: {index}.npy, kind: dark, set: s{index // 2}}}")
-    captures = read_captures(files.manifest(tmp_path, lines)).captures
-    assert [c.group for c in captures] == [g for g in GROUPS for _ in range(2)]
+    fields = ["kind: dark", "kind: dark, temperature: 5"]
+    top = f"sensor: {files.SENSOR}\ntemperature: -20"
+    captures = files.read_series(tmp_path, fields, top).captures
+    assert {c.name[0]: c.temperature for c in captures} == {"0": -20.0, "1": 5.0}
+    [first, *_] = files.read_series(tmp_path, fields[:1]).captures
+    assert first.temperature is None
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import pytest
 
 from cg2raw import _core
 from cg2raw.diagnose import diagnose, effects
+from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects import catalogue
 from cg2raw.diagnose.scenes.model import Model
 from diagnose.test_pipeline import SENSOR, set_of
@@ -45,6 +46,19 @@ def folder(tmp_path, monkeypatch):
 def test_every_registered_effect_has_a_file():
     assert list(catalogue.every()) == [effect["name"] for effect in _core.effects()]
     assert set(catalogue.names()) == set(catalogue.every()) - {"quantisation"}
+
+
+@pytest.mark.parametrize("name", catalogue.names())
+def test_its_words_exist(name):
+    effect = catalogue.every()[name]
+    assert effect.title and effect.where
+    assert not effect.title.endswith(".") and not effect.where.endswith(".")
+    one = Estimate(0.1, "1", (0.05, 0.15))
+    size = effect.size(dict.fromkeys(effect.parameters, one))
+    assert any(letter.isdigit() for letter in size) and not size.endswith(".")
+    assert effect.signature <= {"gain", "mixer", "softener", "offset", "noise", "map"}
+    assert set(effect.taken_up_by) <= set(catalogue.names()) - {name}
+    assert effect.shapes <= set(effect.parameters)
 
 
 def test_a_registered_effect_without_a_file_is_an_error(folder):

@@ -12,13 +12,11 @@ from cg2raw.diagnose.scenes.decide import decide
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.verdict.images import diagnosis_of_images
 from cg2raw.diagnose.workers import Workers
-from diagnose.effects.test_laws import PLANTED
-from diagnose.planted import BY_NAME, capture_of, drawn, frames_of, sensor_of
+from diagnose.planted import BY_NAME, PLANTED, capture_of, drawn, frames_of, sensor_of
 
 SENSOR = sensor_of()
 GROUPS = ("fit", "select", "report")
-NAMES = [one for one in PLANTED if one not in ("shot_noise", "read_noise")]
-SMOOTH = [one for one in NAMES if one != "full_well"]  # see test_shapes
+SMOOTH = [one for one in PLANTED if one != "full_well"]  # see test_shapes
 
 
 def images(model, seed=7, nuisances=frozenset(), **more):
@@ -36,18 +34,22 @@ def images(model, seed=7, nuisances=frozenset(), **more):
     return CaptureSet(SENSOR, captures, nuisances), frames
 
 
-def found(model, names=NAMES, fits_noise=False, **more):
-    capture_set, frames = images(model, **more)
+def decided(capture_set, frames, threads=1, fits_noise=False):
+    """Return what is decided of all effects of PLANTED."""
     return decide(
         capture_set,
         frames,
-        names,
+        list(PLANTED),
         alpha=0.01,
         most=6,
         fits_noise=fits_noise,
-        workers=Workers(1),
+        workers=Workers(threads),
         say=lambda *_: None,
     )
+
+
+def found(model, fits_noise=False, **more):
+    return decided(*images(model, **more), fits_noise=fits_noise)
 
 
 @pytest.mark.parametrize("name", SMOOTH)
@@ -103,41 +105,8 @@ def test_noise_that_nobody_knows_is_fitted():
 
 def test_threads_change_nothing():
     model = Model(SENSOR).with_effect(BY_NAME["blur"], np.array(PLANTED["blur"]))
-    capture_set, frames = images(model)
-    thetas = [
-        decide(
-            capture_set, frames, NAMES, alpha=0.01, most=6, fits_noise=False,
-            workers=Workers(threads), say=lambda *_: None,
-        ).theta.tolist()
-        for threads in (1, 3)
-    ]  # fmt: skip
-    assert thetas[0] == thetas[1]
-
-
-def test_a_render_of_something_else_is_refused():
-    capture_set, frames = images(Model(SENSOR))
-    turned = [
-        frame
-        if frame.capture.kind == "flat"
-        else type(frame)(**{**vars(frame), "signal": frame.signal[:, ::-1, ::-1]})
-        for frame in frames
-    ]
-    with pytest.raises(ValueError, match="does not correspond to the capture"):
-        decide(
-            capture_set, turned, NAMES, alpha=0.01, most=6, fits_noise=False,
-            workers=Workers(1), say=lambda *_: None,
-        )  # fmt: skip
-
-
-def shown(kind, change, of):
-    """Return (capture set, frames) of a set in which images are changed."""
-    capture_set, frames = images(Model(SENSOR))
-    changed = []
-    for frame in frames:
-        if frame.capture.kind == kind:
-            frame = replace(frame, **{of: change(getattr(frame, of)), "memo": {}})
-        changed.append(frame)
-    return capture_set, changed
+    one, three = (decided(*images(model), threads) for threads in (1, 3))
+    assert one.theta.tolist() == three.theta.tolist()
 
 
 @pytest.mark.parametrize(
@@ -147,11 +116,16 @@ def shown(kind, change, of):
         ("at_white", np.ones_like, "0.0% of its pixels are predicted"),
         ("camera", np.zeros_like, "correlate by 0.00"),
         ("signal", np.zeros_like, "correlate by 0.00"),
+        ("signal", lambda of: of[:, ::-1, ::-1], "does not correspond to the capture"),
     ],
 )
-def test_images_that_say_nothing_are_refused(of, change, message):
+def test_scenes_that_say_nothing_are_refused(of, change, message):
+    capture_set, frames = images(Model(SENSOR))
+    changed = [
+        replace(frame, **{of: change(getattr(frame, of)), "memo": {}})
+        if frame.capture.kind == "scene"
+        else frame
+        for frame in frames
+    ]
     with pytest.raises(ValueError, match=message):
-        decide(
-            *shown("scene", change, of), NAMES, alpha=0.01, most=6, fits_noise=False,
-            workers=Workers(1), say=lambda *_: None,
-        )  # fmt: skip
+        decided(capture_set, changed)

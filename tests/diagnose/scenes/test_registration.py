@@ -7,13 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.scenes.decide import decide
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.registration import Placement, first_guess, warped
-from cg2raw.diagnose.workers import Workers
 from diagnose.planted import drawn
-from diagnose.scenes.test_decide import NAMES, SENSOR, images
+from diagnose.scenes.test_decide import SENSOR, decided, images
 
 FREE = frozenset({"registration", "exposure", "light", "radiance"})
 AFFINE = np.array([[2.3, 0.2, -0.1], [-1.6, 0.1, 0.15]])
@@ -55,16 +52,7 @@ def test_what_is_displaced_and_brighter_is_found():
         replace(frame, signal=other.signal, at_white=other.at_white)
         for frame, other in zip(frames, seen, strict=True)
     ]
-    found = decide(
-        CaptureSet(SENSOR, capture_set.captures, FREE),
-        shown,
-        NAMES,
-        alpha=0.01,
-        most=6,
-        fits_noise=False,
-        workers=Workers(1),
-        say=lambda *_: None,
-    )
+    found = decided(capture_set, shown)
     assert found.chosen.names == []
     for view in found.views:
         if view.frame.capture.shows.render:

@@ -22,18 +22,15 @@ def points(seed, level=None, kind="scene", count=4, **more):
     frames = drawn(frames_of(SENSOR, captures), Model(SENSOR), seed)
     if level is not None:
         rng = np.random.default_rng(seed)
-        frames = [
-            replace(
-                f,
-                signal=np.minimum(
-                    f.signal, level + READ * rng.normal(size=f.signal.shape)
-                ),
-            )
-            for f in frames
-        ]
-    return [
-        point_of(view, view.frame, Model(SENSOR), Excess()) for view in views_of(frames)
-    ]
+        for n, frame in enumerate(frames):
+            wells = level + READ * rng.normal(size=frame.signal.shape)
+            frames[n] = replace(frame, signal=np.minimum(frame.signal, wells))
+    return points_of(frames)
+
+
+def points_of(frames):
+    views = views_of(frames)
+    return [point_of(view, view.frame, Model(SENSOR), Excess()) for view in views]
 
 
 @pytest.mark.parametrize("level", [0.35, 0.45])
@@ -56,16 +53,12 @@ def counted(seed, is_counted):
     frames = drawn(frames_of(SENSOR, captures), Model(SENSOR), seed)
     if is_counted:
         rng = np.random.default_rng(seed)
-        shown = []
-        for frame in frames:
-            at = point_of(views_of([frame])[0], frame, Model(SENSOR), Excess()).mean
-            drawn_light = rng.poisson(at * FULL_WELL) / FULL_WELL
-            noise = READ * rng.standard_normal(at.shape)
-            shown.append(replace(frame, signal=drawn_light + noise))
-        frames = shown
-    found = [
-        point_of(view, view.frame, Model(SENSOR), Excess()) for view in views_of(frames)
-    ]
+        for n, frame in enumerate(frames):
+            [point] = points_of([frame])
+            charge = rng.poisson(point.mean * FULL_WELL) / FULL_WELL
+            noise = READ * rng.standard_normal(charge.shape)
+            frames[n] = replace(frame, signal=charge + noise)
+    found = points_of(frames)
     return found, [point.view.signal - point.mean for point in found]
 
 
