@@ -3,6 +3,7 @@
 """A made-up diagnosis: what a camera with vignetting and row noise might give."""
 
 import json
+import math
 
 import numpy as np
 
@@ -23,65 +24,26 @@ from cg2raw.diagnose.diagnosis import (
 R2, R4 = -0.34, 0.05
 WHITE = 16000.0  # DN above black
 NEUTRAL = (0.52, 1.0, 0.68)
-NOISE = 0.012  # at full signal; of a cell's mean
-SHARE = 0.3  # of the error in noise that a map shows, so that it does not saturate
-
-
-def scene(height, width, rng):
-    """Return (height, width, 3) linear: a sky, hills and coloured spheres."""
-    y, x = np.mgrid[0:height, 0:width] / height
-    image = np.zeros((height, width, 3))
-    image[:] = np.stack([0.35 + 0.3 * y, 0.45 + 0.25 * y, 0.75 - 0.1 * y], axis=-1)
-    for level, tint in ((0.55, (0.10, 0.16, 0.05)), (0.7, (0.22, 0.15, 0.07))):
-        ridge = level + 0.06 * np.sin(7 * x + 20 * level) + 0.03 * np.sin(19 * x)
-        image[y > ridge] = tint
-    for _ in range(7):
-        cx, cy, r = (
-            rng.uniform(0.1, 1.4),
-            rng.uniform(0.45, 0.9),
-            rng.uniform(0.05, 0.14),
-        )
-        d2 = ((x - cx) ** 2 + (y - cy) ** 2) / r**2
-        height_map = np.sqrt(np.clip(1 - d2, 0, 1))
-        light = 0.15 + 0.85 * np.clip(0.6 * height_map - 0.5 * (y - cy) / r, 0, 1)
-        image = np.where(
-            (d2 < 1)[..., None], rng.uniform(0.05, 0.8, 3) * light[..., None], image
-        )
-    return 0.85 * image
-
-
-def radius_squared(height, width):
-    """Return (height, width): 1 in the corners."""
-    y, x = np.mgrid[0:height, 0:width]
-    y, x = (y + 0.5) / height - 0.5, (x + 0.5) / width - 0.5
-    aspect = width / height
-    return (y**2 + (aspect * x) ** 2) / (0.25 * (1 + aspect**2))
 
 
 def picture(name, kind, height, width, seed):
     """Return a frame whose corners are darker than its simulation before."""
     rng = np.random.default_rng(seed)
-    light = {"dark": 0.0, "flat": 0.4}.get(kind)
-    signal = scene(height, width, rng) if light is None else np.full((1, 1, 3), light)
-    before = np.broadcast_to(signal * NEUTRAL, (height, width, 3)).copy()
-    r2 = radius_squared(height, width)[..., None]
+    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
+    waves = 0.4 + 0.3 * np.sin(9 * x) * np.cos(7 * y)
+    light = waves * {"dark": 0.0, "flat": 1.0}.get(kind, 1 + 0.2 * (x > y))
+    before = light[..., None] * NEUTRAL
+    r2 = (x**2 + y**2)[..., None] / 2
     after = before * (1 + R2 * r2 + R4 * r2**2)
-    sigma = NOISE * np.sqrt(before + 0.01)
-    rows = 0.0008 * rng.standard_normal((height, 1, 1))
-    measured = after + rows + sigma * rng.standard_normal(before.shape) / 3
-    level = sigma.mean(axis=-1) / 1.7
+    measured = after + 0.004 * rng.standard_normal(before.shape)
     z_after = rng.standard_normal((height, width))
-    z_rows = 1.6 * rng.standard_normal((height, 1))
-    z_before = z_after + z_rows + SHARE * (after - before).mean(axis=-1) / level
-    z_before[: height // 12, : width // 9] = z_after[: height // 12, : width // 9] = (
-        np.nan
-    )
-    arrays = (np.clip(a, 0, 1).astype(np.float32) for a in (measured, before, after))
-    z = (a.astype(np.float32) for a in (z_before, z_after))
-    return Picture(name, kind, *arrays, *z, neutral=NEUTRAL)
+    z_before = z_after + 20 * (after - before).mean(axis=-1)
+    z_after[: height // 12, : width // 9] = np.nan
+    arrays = (measured.clip(0, 1), before, after, z_before, z_after)
+    return Picture(name, kind, *(a.astype(np.float32) for a in arrays), neutral=NEUTRAL)
 
 
-def pictures(count=3, height=340, width=512):
+def pictures(count=3, height=40, width=60):
     """Return @count frames: scenes, a flat and a dark in turn."""
     kinds = ("scene", "flat", "scene", "dark")
     names = [f"{kinds[n % 4]}_{n}.dng" for n in range(count)]
@@ -128,25 +90,18 @@ def charts():
 
 
 def residual_tests(scale):
-    """Return 29 tests whose sizes are @scale of those of the made-up camera."""
-    rng = np.random.default_rng(11)
-    families = {
-        "mean by": ("radius", "tile", "row", "level", "channel", "column", "frame"),
-        "variance by": ("row", "level", "radius", "channel", "frame"),
-        "autocorrelation": ("0,1", "1,0", "1,1", "0,2", "2,0", "2,2"),
-        "gradient": ("Laplacian", "radial red", "radial blue", "vertical", "horizontal",
-                     "vertical red", "horizontal blue"),
-    }  # fmt: skip
-    names = [f"{family} {what}" for family, each in families.items() for what in each]
-    names += ["skewness", "kurtosis", "product of frames", "product of repeats"]
-    sizes = 0.3 * np.exp(-0.62 * np.arange(len(names)))
+    """Return tests whose sizes are @scale of those of the made-up camera."""
+    names = [f"mean by {each}" for each in ("radius", "tile", "row", "level")]
+    names += [f"variance by {each}" for each in ("row", "level", "radius")]
+    names += [f"autocorrelation {each}" for each in ("0,1", "1,0", "1,1")]
+    names += ["gradient, radial red", "gradient, vertical", "kurtosis", "repeats"]
     tests = []
-    for name, size in zip(names, sizes, strict=True):
-        size = scale * size + 2e-6 * rng.exponential()
-        statistic = np.sqrt(2e5 * size)
-        p_value = float(np.exp(-min(700, statistic**2 / 2)))
+    for number, name in enumerate(names):
+        size = scale * 0.3 * math.exp(-0.62 * number)
+        statistic = math.sqrt(2e5 * size)
+        p_value = math.exp(-min(600, statistic**2 / 2))
         where = "corners, all channels alike" if "radius" in name else "nowhere special"
-        tests.append(ResidualTest(name, float(statistic), p_value, float(size), where))
+        tests.append(ResidualTest(name, statistic, p_value, size, where))
     return tests
 
 
@@ -185,25 +140,17 @@ def detection_limits():
     return [
         DetectionLimit("exposure", "gain", 4.2e-4, "1"),
         DetectionLimit("white_balance", "red", 7e-4, "1"),
-        DetectionLimit("white_balance", "blue", 8e-4, "1"),
-        DetectionLimit("blur", "ring_1", 0.0031, "1"),
-        DetectionLimit(
-            "lateral_chromatic_aberration", "red", 0.008, "px at the corner"
-        ),
         DetectionLimit("black_level", "offset_00", 0.02, "DN"),
         DetectionLimit("dark_current", "per_second", None, "1/s"),
-        DetectionLimit("prnu", "sigma", 6e-4, "1"),
-        DetectionLimit("veiling_glare", "uniform", 5e-4, "1"),
     ]
 
 
 def made_up_diagnosis(**changes):
     """Return a Diagnosis with every field filled; @changes replace fields."""
-    effects = findings()
     fields = {
         "verdict": "explained",
         "sensor_id": "nikon-d40",
-        "effects": effects,
+        "effects": findings(),
         "gap": Gap(0.4113, 0.00031, 3.214, 1.0012,
                    ["scene_0.dng", "flat_1.dng", "scene_2.dng"],
                    (0.4021, 0.4208), (0.00012, 0.00049)),

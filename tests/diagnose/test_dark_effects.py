@@ -68,34 +68,57 @@ def missed(finding, planted):
 
 
 @pytest.mark.slow
-def test_all_of_them_at_once_are_found_with_their_values():
-    """As real sensors have them, with a dark current, by darks of four times. Each of
-    them alone: tests/diagnose/test_parts.py.
+@pytest.mark.parametrize(
+    ("name", "planted"),
+    [("bias_structure", BIAS), ("amplifier_glow", GLOW), ("black_level_drift", DRIFT)],
+)
+def test_it_is_named_first_with_its_values(name, planted):
+    found = diagnosed(with_effects(**{name: planted}))
+    assert [finding.name for finding in found.effects] == [name]
+    assert found.verdict == "explained"
+    assert missed(found.effects[0], planted) == []
+    (effect,) = Sensor.from_json(found.profile_json, "found").effects
+    assert effect["name"] == name
+    assert set(effect["parameters"]) == set(planted)
+
+
+@pytest.mark.slow
+def test_uneven_dark_current_is_named_with_its_law():
+    """Beside the dark current that a profile has: the numbers of its law to a tenth."""
+    true = with_effects(dark_current=DARK, dark_current_nonuniformity=UNEVEN)
+    found = diagnosed(true, with_effects(dark_current=DARK))
+    assert [f.name for f in found.effects] == ["dark_current_nonuniformity"]
+    sigma = UNEVEN["rate"] * np.sinh(UNEVEN["log_sigma"])
+    assert missed(found.effects[0], {"sigma": sigma}) == []
+    effects = Sensor.from_json(found.profile_json, "found").effects
+    found_law = effects[1]["parameters"]
+    for name, value in UNEVEN.items():
+        assert found_law[name] == pytest.approx(value, rel=0.1)
+
+
+@pytest.mark.slow
+def test_all_of_them_at_once_are_found():
+    """As real sensors have them, with a dark current, by darks of four times.
 
     Chi-square of one draw is off by 0.011, one standard deviation of four: 0.005 by the
     noise of its report frames, the rest by the shot noise of a charge that so few darks
     do not tell better. A wrong law of the noise would be off in all of them."""
-    planted = {
-        "dark_current": DARK,
-        "dark_current_nonuniformity": UNEVEN,
-        "bias_structure": BIAS,
-        "black_level_drift": DRIFT,
-        "amplifier_glow": GLOW,
-    }
-    true = with_effects(**planted)
-    sigma = UNEVEN["rate"] * np.sinh(UNEVEN["log_sigma"])
-    estimated = {**planted, "dark_current_nonuniformity": {"sigma": sigma}}
+    true = with_effects(
+        dark_current=DARK,
+        dark_current_nonuniformity=UNEVEN,
+        bias_structure=BIAS,
+        black_level_drift=DRIFT,
+        amplifier_glow=GLOW,
+    )
     draws = [diagnosed(true, draw=number) for number in range(4)]
     for found in draws:
-        by_name = {finding.name: finding for finding in found.effects}
-        assert by_name.keys() == planted.keys()
-        for name, values in estimated.items():
-            assert missed(by_name[name], values) == [], name
-        listed = Sensor.from_json(found.profile_json, "found").effects
-        in_profile = {effect["name"]: effect["parameters"] for effect in listed}
-        for name, value in UNEVEN.items():
-            law = in_profile["dark_current_nonuniformity"]
-            assert law[name] == pytest.approx(value, rel=0.1)
+        assert {finding.name for finding in found.effects} == {
+            "dark_current",
+            "dark_current_nonuniformity",
+            "bias_structure",
+            "black_level_drift",
+            "amplifier_glow",
+        }
     chi2 = [found.gap.chi2_after for found in draws]
     assert np.mean(chi2) == pytest.approx(1, abs=0.015), chi2
     assert np.ptp(chi2) < 0.05, chi2

@@ -22,7 +22,7 @@ from diagnose.leaves import (
     with_leaf,
     with_mapping_keys,
 )
-from diagnose.made_up_diagnosis import made_up_diagnosis, pictures
+from diagnose.made_up_diagnosis import made_up_diagnosis
 
 EMPTY = {
     "effects": [], "tests_before": [], "tests_after": [], "unexplained": [],
@@ -76,7 +76,7 @@ class Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def diagnosis():
-    return made_up_diagnosis(pictures=pictures(3, 40, 60))
+    return made_up_diagnosis()
 
 
 def html(diagnosis):
