@@ -3,12 +3,11 @@
 """Frames of a real CCD, whose numbers plain statistics know; not in the repository."""
 
 import csv
-import json
 
 import numpy as np
 import pytest
 
-from cg2raw import Sensor
+from calibration.planted import sensor_of
 from cg2raw.calibration import UniformFrame, calibrate
 
 FILES = (
@@ -50,23 +49,8 @@ def found(ccd):
             )
             for frame in sorted(stored.files)
         ]
-    return calibrate(header_sensor(), frames)
-
-
-def header_sensor():
-    """Return a sensor with the levels of the CCD's header; its sites are all alike."""
-    profile = json.loads(Sensor("canon-70d").to_json())
-    profile |= {
-        "id": "ccd",
-        "bits": 16,
-        "black_level": [BLACK] * 4,
-        "white_level": WHITE,
-    }
-    profile |= {"width": 1024, "height": 1024}
-    profile |= {"black_level": [BLACK] * 4, "white_level": WHITE}
-    profile |= {"noise": [], "effects": []}
-    profile.pop("noise_effects", None)
-    return Sensor.from_json(json.dumps(profile), "ccd")
+    levels = {"bits": 16, "black_level": [BLACK] * 4, "white_level": WHITE}
+    return calibrate(sensor_of(shape=(1024, 1024), noise=[], **levels), frames)
 
 
 def test_the_numbers_of_plain_statistics(found):

@@ -71,32 +71,18 @@ def test_a_report_is_written(engine, captures, tmp_path):
 
 
 def test_options_reach_the_engine(engine, captures, tmp_path):
-    words = (
-        "--alpha",
-        "0.05",
-        "--max-effects",
-        "2",
-        "--exclude",
-        "row_noise, shot_noise",
-    )
-    run("diagnose", "run", captures, "-o", tmp_path / "r", *words)
+    base = ("diagnose", "run", captures, "-o", tmp_path / "r")
+    words = ("--alpha", "0.05", "--max-effects", "2")
+    run(*base, *words, "--exclude", "row_noise, shot_noise")
     options = engine.calls[0][1]
     assert (options["alpha"], options["most"]) == (0.05, 2)
     assert options["without"] == ("row_noise", "shot_noise")
     assert "pixels" not in options  # the engine's own
-    run(
-        "diagnose",
-        "run",
-        captures,
-        "-o",
-        tmp_path / "r",
-        "--include",
-        "row_noise,lens_shading",
-    )
+    run(*base, "--include", "row_noise,lens_shading")
     assert engine.calls[1][1]["only"] == ("row_noise", "lens_shading")
     words = ("--max-pixels", "8192", "--time-limit")
     for text, seconds in (("90", 90), ("90s", 90), ("1.5min", 90), ("2 h", 7200)):
-        run("diagnose", "run", captures, "-o", tmp_path / "r", *words, text)
+        run(*base, *words, text)
         options = engine.calls[-1][1]
         assert (options["pixels"], options["time_limit"]) == (8192, seconds)
 

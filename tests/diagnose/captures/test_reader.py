@@ -102,28 +102,20 @@ def test_a_gain_multiplies_the_scene(tmp_path):
     np.testing.assert_allclose(first.scene(), 2.5 * files.picture(), rtol=1e-6)
 
 
-@pytest.mark.parametrize("ending", ["exr", "tif", "png"])
+@pytest.mark.parametrize("ending", ["exr", "tif"])
 def test_a_scene_of_each_format(tmp_path, ending):
     oiio = pytest.importorskip("OpenImageIO")
     rgb = files.picture()
     spec = oiio.ImageSpec(rgb.shape[1], rgb.shape[0], 3, "float")
-    stored = rgb
-    if ending == "png":
-        spec.set_format("uint16")
-        spec.attribute("oiio:ColorSpace", "srgb_rec709_scene")
-        stored = np.where(
-            rgb < 0.0031308, 12.92 * rgb, 1.055 * rgb ** (1 / 2.4) - 0.055
-        )
     image = oiio.ImageOutput.create(str(tmp_path / f"r.{ending}"))
     image.open(str(tmp_path / f"r.{ending}"), spec)
-    image.write_image(np.ascontiguousarray(stored, np.float32))
+    image.write_image(rgb)
     image.close()
     files.frame(tmp_path, "a.npy", rgb)
     line = f"{{file: a.npy, kind: scene, scene: r.{ending}, illuminant: D65}}"
     captures = read_captures(files.manifest(tmp_path, [line]))
-    np.testing.assert_allclose(captures.captures[0].scene(), rgb, atol=3e-5)
-    said = any("linearised by the curve" in note for note in captures.notes)
-    assert said == (ending == "png")
+    np.testing.assert_array_equal(captures.captures[0].scene(), rgb)
+    assert not any("linearised by the curve" in note for note in captures.notes)
 
 
 def test_masks_of_set_and_frame_are_one(tmp_path):
@@ -279,13 +271,6 @@ def test_a_raw_that_is_no_dng(camera_data, tmp_path):
     assert first.exposure_time is not None
 
 
-def test_a_file_without_a_mosaic(camera_data, tmp_path):
-    file = camera_data / "real" / "canon6d_lossy_linear_photoprism.dng"
-    path = files.manifest(tmp_path, [f"{{file: {file}, kind: dark}}"])
-    with pytest.raises(ValueError, match=r":3: frames\[0\].file .*LinearRaw"):
-        read_captures(path)
-
-
 def test_another_sensor_in_the_manifests_place(tmp_path):
     path = files.standard_set(tmp_path)
     other = files.other_sensor(black_level=[66] * 4)
@@ -319,16 +304,6 @@ def test_a_fits_file_is_read_as_its_header_says(tmp_path):
     )
 
 
-def test_a_fits_file_of_another_cfa_is_refused(tmp_path):
-    fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
-    hdu = fits.PrimaryHDU(files.frame(tmp_path, "raw.npy"))
-    hdu.header["BAYERPAT"] = "BGGR"
-    hdu.writeto(tmp_path / "a.fits")
-    path = files.manifest(tmp_path, ["{file: a.fits, kind: dark}"])
-    with pytest.raises(ValueError, match=r":3: frames\[0\].file a.fits: its CFA is BG"):
-        read_captures(path)
-
-
 @pytest.mark.parametrize("where", ["frame", "top"])
 def test_a_manifest_chooses_one_of_several_images(tmp_path, where):
     fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
@@ -342,16 +317,3 @@ def test_a_manifest_chooses_one_of_several_images(tmp_path, where):
     np.testing.assert_array_equal(found.captures[0].raw(), raw)
     with pytest.raises(ValueError, match=r":3: frames\[0\].file .*holds 2 images"):
         read_captures(files.manifest(tmp_path, ["{file: a.fits, kind: dark}"]))
-
-
-def test_overscan_is_taken_off_before_a_diagnosis(tmp_path):
-    fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
-    raw = files.frame(tmp_path, "raw.npy")
-    black = round(np.mean(cg2raw.Sensor(files.SENSOR).black_level))
-    height, width = raw.shape
-    image = fits.PrimaryHDU(np.pad(raw, ((0, 0), (0, 8)), constant_values=black) + 5)
-    image.header["TRIMSEC"] = f"[1:{width},1:{height}]"
-    image.header["BIASSEC"] = f"[{width + 1}:{width + 8},1:{height}]"
-    image.writeto(tmp_path / "a.fits")
-    found = read_captures(files.manifest(tmp_path, ["{file: a.fits, kind: dark}"]))
-    np.testing.assert_array_equal(found.captures[0].raw(), raw)

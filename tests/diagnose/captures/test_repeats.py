@@ -109,11 +109,6 @@ def test_a_steady_lamp_drifts_by_chance_as_rarely_as_stated():
     assert by_chance(3, 1).lamp_drift(BLACK + 900) is None  # there is no light
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_noise_is_no_lamp(seed):
-    assert series(flats(5, seed), "flat").lamp_drift(BLACK) is None
-
-
 @pytest.mark.parametrize("count", [3, 10])
 def test_cosmic_rays_are_counted_in_the_frame_that_has_them(count):
     frames = darks(count, hot=60)

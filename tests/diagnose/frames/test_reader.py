@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import pytest
 
-from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.frames.reader import PIXELS, PIXELS_OF_ALL, read_frames
 from cg2raw.diagnose.scenes.noise_level import noise_models
@@ -45,8 +44,3 @@ def test_tables_of_patches_have_no_pixels_and_are_not_counted():
 
 def test_who_asks_for_pixels_gets_them():
     assert pixels_of(128, 40000) == pixels_of(3, 40000) == pytest.approx(4e4, rel=0.25)
-
-
-def test_no_frames_are_one_clear_error():
-    with pytest.raises(ValueError, match="no frame is in the group fit"):
-        diagnose(CaptureSet(SENSOR, []))

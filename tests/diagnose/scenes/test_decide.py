@@ -34,7 +34,7 @@ def images(model, seed=7, nuisances=frozenset(), **more):
     return CaptureSet(SENSOR, captures, nuisances), frames
 
 
-def decided(capture_set, frames, threads=1, fits_noise=False):
+def decided(capture_set, frames, fits_noise=False):
     """Return what is decided of all effects of PLANTED."""
     return decide(
         capture_set,
@@ -43,7 +43,7 @@ def decided(capture_set, frames, threads=1, fits_noise=False):
         alpha=0.01,
         most=6,
         fits_noise=fits_noise,
-        workers=Workers(threads),
+        workers=Workers(1),
         say=lambda *_: None,
     )
 
@@ -101,12 +101,6 @@ def test_noise_that_nobody_knows_is_fitted():
     assert scenes.grams["report"].squares / scenes.grams["report"].n == pytest.approx(
         1, abs=0.03
     )
-
-
-def test_threads_change_nothing():
-    model = Model(SENSOR).with_effect(BY_NAME["blur"], np.array(PLANTED["blur"]))
-    one, three = (decided(*images(model), threads) for threads in (1, 3))
-    assert one.theta.tolist() == three.theta.tolist()
 
 
 @pytest.mark.parametrize(
