@@ -19,15 +19,17 @@ TIMES = (0.0003, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95, 1.2, 1.3)
 RANGE = WHITE - BLACK
 
 
-def swept(loss=0.0, early=0.0):
+def swept(loss=0.0, early=0.0, well=np.inf):
     """Return the calibration of two darks, and of two flats at each time; in a second
-    they fill the range. loss : of white, quadratic. early : s that the shutter is."""
+    they fill the range. loss, well : of white; the loss is quadratic. early : s that
+    the shutter is."""
     frames = []
     for number, time in enumerate(2 * [0.0] + sorted(2 * TIMES)):
         kind = "flat" if time else "dark"
         rng = np.random.default_rng(number)
         light = (time + early) * (1 - loss * min(time, 1.0)) * (kind == "flat")
         above = rng.poisson(light * RANGE * GAIN, SHAPE) / GAIN
+        above = np.minimum(above, well * RANGE)
         raw = np.rint(above + rng.normal(BLACK, READ, SHAPE))
         pixels = np.clip(raw, 0, WHITE).astype(np.uint16)
         take = lambda pixels=pixels: pixels  # noqa: E731
@@ -50,6 +52,13 @@ def test_a_flat_darker_than_the_read_noise_is_no_full_well():
     assert found.transfer.saturation.value == pytest.approx(RANGE, abs=1)
     assert found.linearity.error.value < 0.05
     assert effects_of(found) == []
+
+
+def test_beside_such_a_flat_a_full_well_is_found():
+    """Its noise is that of the readout, which that flat has too."""
+    found = swept(well=0.9)
+    assert found.transfer.clipped_by == "full well"
+    assert found.transfer.saturation.value == pytest.approx(0.9 * RANGE, rel=1e-3)
 
 
 def test_a_shutter_that_opens_early_bends_no_line():
