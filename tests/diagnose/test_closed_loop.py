@@ -59,7 +59,7 @@ def by_plugin(system_oiiotool, tmp_path):
 def test_frames_of_the_found_profile_have_no_gap(by_plugin, hidden):
     sensor = drawn_sensor(7)
     truth = draw_hidden(sensor, hidden, seed=7)
-    captures = simulate_captures(sensor, truth, seed=7)
+    captures = simulate_captures(sensor, truth, seed=7, twice=True)
     found = diagnose(captures, details=False)
     assert {one.name for one in found.effects} >= set(hidden) - {"poisson_shot_noise"}
     better = Sensor.from_json(found.profile_json)

@@ -306,7 +306,7 @@ def test_captures_are_synthesized(tmp_path, option):
     if option == "--json":
         said = json.loads(done.out)
         assert said["truth_sha256"] in (out / "captures.yaml").read_text()
-        assert (said["folder"], said["frames"]) == (str(out), 24)
+        assert (said["folder"], said["frames"]) == (str(out), 36)
 
 
 def test_what_the_generator_refuses_is_one_line(tmp_path, monkeypatch):

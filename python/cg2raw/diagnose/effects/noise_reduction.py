@@ -26,7 +26,7 @@ class NoiseReduction(Effect):
     step = 5e-3
     signature = frozenset({"softener"})
     told_apart = dict.fromkeys(
-        ("read_noise", "shot_noise", "blur"),
+        ("read_noise", "shot_noise"),
         "Two darks of one exposure time and two flats of one light in each group: "
         "noise that neighbours share in their difference is noise reduction.",
     )
