@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import cg2raw
-from cg2raw.synthetic import captures as command
+from cg2raw.synthetic import captures as synthetic_captures
 from cg2raw.synthetic import charge, conditions, light
 from cg2raw.synthetic.camera import camera_of
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
@@ -19,9 +19,10 @@ from cg2raw.synthetic.density import log_density
 from cg2raw.synthetic.readout import Noise, blended, read_out
 from cg2raw.synthetic.sensors import ISO, drawn_sensor
 from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
+from python.commands import run
 
 SHAPE = (96, 128)
-SOURCE = Path(command.__file__).parent
+SOURCE = Path(synthetic_captures.__file__).parent
 UNRELATED = ("interrupts", "io.atomic_file", "short_messages")
 ALLOWED = ("cg2raw.synthetic", "cg2raw.diagnose.captures.capture")
 # What the core predicts or draws effects with.
@@ -295,11 +296,13 @@ def test_nuisances_change_the_capture_and_are_declared(sensor):
             np.testing.assert_array_equal(one.raw(), other.raw())
 
 
-def test_command_writes_a_set_that_readers_take(tmp_path, capsys):
+def test_command_writes_a_set_that_readers_take(tmp_path):
     folder = tmp_path / "blind"
     argv = ["-s", "nikon-d40", "--effects", "lens_shading=0.3,random", "--seed", "2"]
-    assert command.main([*argv, "--size", "96x64", "-o", str(folder)]) == 0
-    out = capsys.readouterr().out
+    argv = ["diagnose", "synthesize", *argv, "--size", "96x64", "-o", str(folder)]
+    done = run(*argv, "--json")
+    assert done.code == 0
+    out = done.out
     truth = (folder / "truth.json").read_bytes()
     assert hashlib.sha256(truth).hexdigest() in out
     assert "assumed, not measured: full well 10000 e-, read noise 5 e-" in out
@@ -309,7 +312,7 @@ def test_command_writes_a_set_that_readers_take(tmp_path, capsys):
     assert dng.cfa == "BGGR" and dng.shot["exposure_time"] > 1
     assert np.load(folder / "report_scene_1.npy").shape == (64, 96, 3)
     assert cg2raw.Sensor(str(folder / "sensor.json")).noise_at(100)["beta1"][0] == 1e-4
-    assert command.main([*argv, "--size", "96x64", "-o", str(folder)]) == 0
+    assert run(*argv).code == 0
 
 
 @pytest.mark.parametrize(
@@ -321,18 +324,26 @@ def test_command_writes_a_set_that_readers_take(tmp_path, capsys):
         (["--effects", "prnu,prnu"], "names prnu twice"),
         (["--size", "96"], "must be WxH"),
         (["--size", "95x64"], "must be even"),
-        (["--read-noise", "0"], "must be above 0"),
-        (["--seed", "-1"], "must be 0 or more"),
+        (["--read-noise", "0"], "must be a number from 0.001"),
+        (["--seed", "-1"], "must be a whole number from 0"),
         (["-s", "fujifilm-x-m1"], "must be a Bayer pattern"),
         (["-s", "gopro-hero6-black"], "has effects of its own, lens_shading"),
     ],
 )
-def test_command_says_what_is_wrong(tmp_path, capsys, options, message):
+def test_command_says_what_is_wrong(tmp_path, options, message):
     folder = tmp_path / "blind"
-    assert command.main(["-s", "canon-70d", *options, "-o", str(folder)]) == 1
-    error = capsys.readouterr().err
-    assert error.startswith("cg2raw: ") and message in error
+    words = ("-s", "canon-70d", "--effects", "prnu", *options, "-o", str(folder))
+    done = run("diagnose", "synthesize", *words)
+    assert done.code in (1, 2) and message in done.err
     assert not folder.exists()
+
+
+def test_all_effects_that_can_be_hidden_are_listed():
+    done = run("diagnose", "synthesize", "--list-effects")
+    assert done.code == 0
+    lines = done.out.splitlines()
+    names = {line.split()[0] for line in lines if line.startswith("  ")}
+    assert names == {*KINDS, *UNKNOWN_KINDS}
 
 
 @pytest.mark.parametrize(

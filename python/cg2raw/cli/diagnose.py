@@ -20,7 +20,7 @@ import re
 import sys
 from typing import TYPE_CHECKING, Any
 
-from cg2raw.cli._numbers import whole
+from cg2raw.cli._numbers import number, whole
 from cg2raw.cli._outputs import check_output
 from cg2raw.system import keep_freed_memory
 
@@ -71,9 +71,8 @@ examples:
 """
 SYNTHESIZE = """Make captures of a camera with injected effects.
 
-24 DNGs with their renders, captures.yaml, and the ground truth in truth.json.
-python -m cg2raw.synthetic --help lists the effects, the unit of each strength, and more
-options.
+36 DNGs with their renders, captures.yaml, and the ground truth in truth.json.
+--list-effects lists the effects and the unit of each strength.
 
 examples:
   cg2raw diagnose synthesize -s nikon-d40 --effects lens_shading=0.3,row_noise -o blind/
@@ -134,7 +133,27 @@ def add_synthesize(parser: argparse.ArgumentParser) -> None:
         metavar="LIST",
         help="NAME[=STRENGTH],...; random: any one",
     )
+    add("--list-effects", action=ListEffects, help="strengths and their units")
     add("--seed", type=whole, default=0, metavar="N", help="default: 0")
+    add("--size", default="144x112", metavar="WxH", help="pixels (default 144x112)")
+    add("--illuminant", default="D65", metavar="LIGHT", help="default: D65")
+    add("--iso", type=number(1e-3, 1e7), help="default: the first with noise")
+    add("--full-well", type=number(1, 1e9), metavar="E", help="electrons (10000)")
+    add("--read-noise", type=number(1e-3, 1e6), metavar="E", help="electrons (5)")
+    add("--studio", action="store_true", help="light, exposure and renders are off")
+
+
+class ListEffects(argparse.Action):
+    """Print the effects that can be injected, and end."""
+
+    def __init__(self, **named: Any) -> None:
+        super().__init__(nargs=0, **named)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        from cg2raw.synthetic.captures import strength_lines
+
+        print(*strength_lines(), sep="\n")
+        parser.exit()
 
 
 def add_run(parser: argparse.ArgumentParser) -> None:
@@ -396,13 +415,16 @@ def run_synthesize(arguments: argparse.Namespace) -> int:
     """Make captures with injected effects; return 0."""
     from cg2raw.cli._progress import stages
     from cg2raw.short_messages import plural
-    from cg2raw.synthetic.captures import notes_of, parsed, written
+    from cg2raw.synthetic import disk
+    from cg2raw.synthetic.captures import Synthesis, notes_of
 
-    words = ["-s", arguments.sensor, "-o", arguments.output]
-    words += ["--effects", arguments.effects, "--seed", str(arguments.seed)]
+    given = {
+        one.name: getattr(arguments, one.name) for one in dataclasses.fields(Synthesis)
+    }
     with stages(arguments.quiet, arguments.verbose) as progress:
         progress("drawing and writing captures", 0.0)
-        folder = written(parsed(words))
+        folder = Synthesis(**given).folder()
+        disk.write_captures(arguments.output, folder)
     result = {
         "folder": arguments.output,
         "frames": len(folder.shots),

@@ -19,7 +19,7 @@ posterior   what fit frames tell of fixed patterns: the feasible truth
 conditions  what goes wrong with a capture, and not with a camera
 synthetic_camera  one with hidden effects, and the frames that it takes
 sensors     sensors with made-up noise
-captures    captures of a synthetic camera, as a CaptureSet and as a command
+captures    captures of a synthetic camera, as a CaptureSet and as a folder
 disk        captures.yaml, DNGs, renders, the sealed truth
 """
 

@@ -1,24 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Capture sets with hidden effects, to try the diagnosis on.
+"""Capture sets with hidden effects, to try the diagnosis on."""
 
-    python -m cg2raw.synthetic -s nikon-d40 \\
-        --effects lens_shading=0.3,row_noise=0.2 --seed 1 -o blind/
-"""
-
-import argparse
 import json
-import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 
 from numpy.random import Generator
 
 from cg2raw import Sensor
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet, Group
-from cg2raw.short_messages import Parser, plural
 from cg2raw.synthetic import conditions, disk
 from cg2raw.synthetic.camera import Camera, camera_of
 from cg2raw.synthetic.measured import Measured
@@ -194,86 +187,79 @@ def strengths_of(text: str, seed: int) -> dict[str, float | None]:
     return strengths
 
 
-def _effects_page() -> str:
-    lines = ["effects that can be hidden, and what their strength is:"]
-    for kinds in (KINDS, UNKNOWN_KINDS):
-        for name, kind in kinds.items():
-            lines.append(f"  {name:30}{kind.low:g}..{kind.high:g}  {kind.strength}")
-        lines.append("and outside the vocabulary of the diagnosis:")
-    return "\n".join(lines[:-1])
+def strength_lines() -> list[str]:
+    """Return a line for each effect that can be hidden: its range of strengths, and
+    what they are; then those that no diagnosis names."""
+    ranges = [
+        [
+            f"  {name:30}{kind.low:g}..{kind.high:g}  {kind.strength}"
+            for name, kind in kinds.items()
+        ]
+        for kinds in (KINDS, UNKNOWN_KINDS)
+    ]
+    return [*ranges[0], "and effects that no diagnosis names:", *ranges[1]]
 
 
-def parsed(argv: Sequence[str] | None) -> argparse.Namespace:
-    """Return the options of a command line; exit with 2 if it is wrong."""
-    parser = Parser(
-        prog="python -m cg2raw.synthetic",
-        description=__doc__.splitlines()[0],
-        epilog=_effects_page(),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    add = parser.add_argument
-    add("-s", "--sensor", required=True, help="id or profile of the doubted model")
-    add("-o", "--output", required=True, metavar="FOLDER")
-    add("--effects", default="", metavar="NAME[=STRENGTH],...", help="or random")
-    add("--seed", type=int, default=0)
-    add("--size", default=f"{SHAPE[1]}x{SHAPE[0]}", metavar="WxH", help="%(default)s")
-    add("--illuminant", default=ILLUMINANT, metavar="WORD", help="%(default)s")
-    add("--iso", type=float, help="of the sensor's noise; its first if not given")
-    stead = "electrons, in place of the sensor's noise; if it has none,"
-    add("--full-well", type=float, metavar="E", help=f"{stead} {FULL_WELL:g}")
-    add("--read-noise", type=float, metavar="E", help=f"{stead} {READ_NOISE:g}")
-    studio = "with what goes wrong in a studio: light, exposure, registration, render"
-    add("--studio", action="store_true", help=studio)
-    add("--quiet", action="store_true", help="errors alone")
-    return parser.parse_args(argv)
+@dataclass(frozen=True)
+class Synthesis:
+    """What synthesize makes. effects : NAME[=STRENGTH],...; random is any one. size :
+    "WxH" px. iso : of the sensor's noise; None for its first. full_well, read_noise :
+    electrons, in place of the sensor's noise; None for that, or, if it has none,
+    FULL_WELL and READ_NOISE. studio : with what goes wrong in a studio."""
 
+    sensor: str
+    effects: str = ""
+    seed: int = 0
+    size: str = f"{SHAPE[1]}x{SHAPE[0]}"
+    illuminant: str = ILLUMINANT
+    iso: float | None = None
+    full_well: float | None = None
+    read_noise: float | None = None
+    studio: bool = False
 
-def _size(text: str) -> tuple[int, int]:
-    """Return (H, W) of "WxH"."""
-    width, by, height = text.partition("x")
-    if not (by and width.isdecimal() and height.isdecimal()):
-        raise ValueError(f"--size {text} must be WxH, such as 720x480")
-    return int(height), int(width)
+    def folder(self) -> disk.Folder:
+        """Return the capture set. Raises ValueError."""
+        sensor, name = self._doubted
+        iso = noise_iso(sensor, self.iso)
+        strengths = strengths_of(self.effects, self.seed)
+        hidden = draw_hidden(
+            sensor, strengths, seed=self.seed, illuminant=self.illuminant, iso=iso
+        )
+        source = synthetic_camera_of(
+            sensor,
+            hidden,
+            self.seed,
+            self._shape,
+            self.illuminant,
+            iso,
+            conditions.STUDIO if self.studio else None,
+            twice=True,
+        )
+        known = doubted(sensor, source.camera)
+        name = name if known is sensor else disk.SENSOR
+        return disk.Folder(source, source.shots, known, name, self.illuminant, iso)
 
+    @property
+    def _shape(self) -> tuple[int, int]:
+        width, by, height = self.size.partition("x")
+        if not (by and width.isdecimal() and height.isdecimal()):
+            raise ValueError(
+                f"--size {self.size}: must be WxH in pixels, as in 720x480"
+            )
+        return int(height), int(width)
 
-def _sensor(given: argparse.Namespace) -> tuple[Sensor, str]:
-    """Return the doubted model and what captures.yaml calls it."""
-    sensor = Sensor(given.sensor)
-    assumed = given.full_well is not None or given.read_noise is not None
-    if sensor.noise and not assumed:
-        return sensor, disk.SENSOR if given.sensor.endswith(".json") else given.sensor
-    full_well = FULL_WELL if given.full_well is None else given.full_well
-    read_noise = READ_NOISE if given.read_noise is None else given.read_noise
-    iso = ISO if given.iso is None else given.iso
-    return with_noise(sensor, full_well, read_noise, iso), disk.SENSOR
-
-
-def _folder(given: argparse.Namespace) -> disk.Folder:
-    """Return what the command line asks for. Raises ValueError."""
-    if given.seed < 0:
-        raise ValueError(f"--seed {given.seed} must be 0 or more")
-    sensor, name = _sensor(given)
-    iso = noise_iso(sensor, given.iso)
-    strengths = strengths_of(given.effects, given.seed)
-    hidden = draw_hidden(
-        sensor, strengths, seed=given.seed, illuminant=given.illuminant, iso=iso
-    )
-    nuisances = conditions.STUDIO if given.studio else None
-    shape = _size(given.size)
-    source = synthetic_camera_of(
-        sensor, hidden, given.seed, shape, given.illuminant, iso, nuisances, twice=True
-    )
-    known = doubted(sensor, source.camera)
-    name = name if known is sensor else disk.SENSOR
-    return disk.Folder(source, source.shots, known, name, given.illuminant, iso)
-
-
-def written(given: argparse.Namespace) -> disk.Folder:
-    """Write the capture set that options ask for; return it. Raises ValueError,
-    OSError."""
-    folder = _folder(given)
-    disk.write_captures(given.output, folder)
-    return folder
+    @property
+    def _doubted(self) -> tuple[Sensor, str]:
+        """The doubted model and what captures.yaml calls it."""
+        sensor = Sensor(self.sensor)
+        assumed = self.full_well is not None or self.read_noise is not None
+        if sensor.noise and not assumed:
+            is_file = self.sensor.endswith(".json")
+            return sensor, disk.SENSOR if is_file else self.sensor
+        full_well = FULL_WELL if self.full_well is None else self.full_well
+        read_noise = READ_NOISE if self.read_noise is None else self.read_noise
+        iso = ISO if self.iso is None else self.iso
+        return with_noise(sensor, full_well, read_noise, iso), disk.SENSOR
 
 
 def notes_of(folder: disk.Folder) -> list[str]:
@@ -282,19 +268,3 @@ def notes_of(folder: disk.Folder) -> list[str]:
     if not assumed.startswith(ASSUMED):
         return []
     return [f"{folder.sensor.id}: noise {assumed}, in {disk.SENSOR}"]
-
-
-def main(argv: Sequence[str] | None = None) -> int:
-    """Write a capture set; 1 with a message for what cannot be."""
-    given = parsed(argv)
-    try:
-        folder = written(given)
-    except (ValueError, OSError) as error:
-        print(f"cg2raw: {error}", file=sys.stderr)
-        return 1
-    if not given.quiet:
-        for note in notes_of(folder):
-            print(note)
-        print(f"{given.output}: {plural(len(folder.shots), 'frame')}")
-        print(f"{disk.TRUTH} sha256 {folder.seal}")
-    return 0
