@@ -106,3 +106,8 @@ def test_words_cannot_become_markup():
     one = np.ones(2)
     drawn = lines("<b>", [Mark("<i>", one, one, "solid")], ("<u>", "<p>"))
     assert not re.search("<[biup]>", drawn) and drawn.count("&lt;") == 5
+
+
+def test_words_that_are_too_long_are_cut_to_their_width():
+    assert svg.shortened("pixel", 5 * svg.LETTER) == "pixel"
+    assert svg.shortened("pixels", 5 * svg.LETTER) == "pixe\N{HORIZONTAL ELLIPSIS}"

@@ -139,6 +139,13 @@ def test_what_is_known_of_missing_patches(arguments, mean, side, inferred):
     assert found[1:] == (side, inferred)
 
 
+def test_the_manifest_says_from_where_on_means_are_missing(tmp_path):
+    text = f"{HEAD}\n{GREYS}".replace("black,80", "black,").replace(",400", ",")
+    means, _ = means_of(tmp_path, text, LINE + ", cut_below: 70, cut_above: 900")
+    assert (means.mean[2, 0], means.side[2, 0]) == (70, -1)
+    assert (means.mean[0, 3], means.side[0, 3]) == (900, 1)
+
+
 def test_how_missing_patches_count_is_said(tmp_path):
     text = f"{HEAD}\n{GREYS}neutral 8,,nan,NaN,\nred,1,2,3,\n"
     text = text.replace("black,80", "black,")

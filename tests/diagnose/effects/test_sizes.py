@@ -104,3 +104,11 @@ def test_shares_of_white_are_said_in_dn_and_electrons(name):
 def test_gains_of_pixels_are_no_share_of_white():
     values = {"sigma": Estimate(0.006, "1", (0.005, 0.007))}
     assert effect("prnu").size(values) == "standard deviation 0.6 % of the signal"
+
+
+@pytest.mark.parametrize(("ring", "percent"), [(1, 90), (2, 80), (4, 100), (9, 90)])
+def test_a_blur_is_said_by_the_contrast_of_its_cosines(ring, percent):
+    """1 + a (cos(n pi / 2) - 1) at half the Nyquist frequency, a of 0.1."""
+    values = dict.fromkeys(effect("blur").parameters, Estimate(0.0, "1", (0.0, 0.0)))
+    values[f"ring_{ring}"] = Estimate(0.1, "1", (0.1, 0.1))
+    assert f"is {percent} %" in effect("blur").size(values)
