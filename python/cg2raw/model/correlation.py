@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Correlations of noise with that of neighbours, from what line means leave of them."""
+"""Correlations of noise with that of neighbours, from what line means leave of them,
+and what blending leaves of noise."""
 
 import numpy as np
 
@@ -30,3 +31,14 @@ def neighbours(statistics: ConstantStatistics, down: int, across: int) -> Array 
     found: Array = (measured + within * lost) / (1 - (1 + within) * lost - 1 / other)
     found[statistics.pairs == 0] = 0.0
     return found
+
+
+def variance_left(blend: float, diagonal: float) -> float:
+    """Return the share of the variance of white noise that blending leaves."""
+    return (1 - blend - diagonal) ** 2 + (blend**2 + diagonal**2) / 4
+
+
+def variance_left_of_lines(blend: float, diagonal: float) -> float:
+    """Return the share that blending leaves of the variance of rows, or of columns,
+    whose samples are alike."""
+    return (1 - blend / 2 - diagonal) ** 2 + (blend / 2 + diagonal) ** 2 / 2

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.signal import correlate2d
 
+from cg2raw.model.correlation import variance_left
 from cg2raw.model.fit import Fit, Prior
 from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import (
@@ -157,17 +158,6 @@ def left_of(
     found = found + (1 - FIELD**2) / (h * w)
     in_planes = (rows - lag[0]) % side + (columns - lag[1]) % side == 0
     return np.asarray(np.where(in_planes, found, 0.0))
-
-
-def variance_left(blend: float, diagonal: float) -> float:
-    """Return the share of the variance of white noise that blending leaves."""
-    return (1 - blend - diagonal) ** 2 + (blend**2 + diagonal**2) / 4
-
-
-def variance_left_of_lines(blend: float, diagonal: float) -> float:
-    """Return the share that blending leaves of the variance of rows, or of columns,
-    whose samples are alike."""
-    return (1 - blend / 2 - diagonal) ** 2 + (blend / 2 + diagonal) ** 2 / 2
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from cg2raw.model.correlation import variance_left, variance_left_of_lines
 from cg2raw.model.evaluation import Parameters
-from cg2raw.model.lags import PARAMETERS, variance_left, variance_left_of_lines
+from cg2raw.model.lags import PARAMETERS
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.constant import Array
 

@@ -10,6 +10,7 @@ from cg2raw.diagnose.effects.base import (
     Parameter,
     Values,
 )
+from cg2raw.model.correlation import variance_left
 
 LEAST_BLEND = np.array([0.0, -0.1])
 
@@ -42,9 +43,7 @@ class NoiseReduction(Effect):
         return np.asarray(np.maximum(bounded, LEAST_BLEND))
 
     def variance_left(self, values: Values) -> float:
-        blend, diagonal = values
-        own = (1 - blend - diagonal) ** 2
-        return float(own + blend**2 / 4 + diagonal**2 / 4)
+        return variance_left(*map(float, values))
 
 
 EFFECT = NoiseReduction()
