@@ -28,7 +28,7 @@ from studies.sources.frames import Frames, TestSets, captured
 from studies.sources.mosaics import by_file
 from studies.sources.renders import Renders
 from studies.sources.sets import Draw, Material, Sources, few, material, sources
-from studies.tasks import content, denoising, illuminant, isp, mosaics
+from studies.tasks import content, denoising, illuminant, isp, isp_unet, mosaics
 from studies.world.shots import World, lit_by
 
 TESTS = "world"  # test frames of the world
@@ -115,7 +115,7 @@ LEARNED = {
     ),
     "isp": Learned("isp", "night", isp.test_frames, isp.isp_draw),
     "isp_unet": Learned(
-        "isp", "night", isp.test_frames, isp.isp_unet_draw, translated=False
+        "isp", "night", isp.test_frames, isp_unet.isp_unet_draw, translated=False
     ),
     "content": Learned("isp", "night", isp.test_frames, content.content_draw),
 }

@@ -8,13 +8,12 @@ renders has the renders themselves, so that no camera's matrix is in any goal. C
 a DNG renderer's: the frame's own matrices and neutral, which label training and test
 frames alike, so it favours who has the camera's matrices.
 
-One learner is of pixels (least squares on random features), one of neighbourhoods, a
-U-net. Frames are as bright as their source leaves them, and of what clips the learner
-is shown white, as a camera's processor has it."""
+The learner is of pixels, least squares on random features; studies.tasks.isp_unet has
+one of neighbourhoods. Frames are as bright as their source leaves them, and of what
+clips the learner is shown white, as a camera's processor has it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +21,7 @@ from numpy.typing import NDArray
 from cg2raw import Sensor
 from studies.cameras import Camera
 from studies.learners.least_squares import learn
-from studies.learners.unet import Examples, train
-from studies.learners.unet_denoiser import file_name
-from studies.protocol import IspRules, IspUnetRules
+from studies.protocol import IspRules
 from studies.sources.frames import Frames, TestSets, captured, words_of
 from studies.sources.real import real
 from studies.sources.sets import Draw, Sources
@@ -80,15 +77,6 @@ def isp_draw(
     return found
 
 
-def isp_unet_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:
-    """Return the Measures of U-nets, of the sources that the protocol names."""
-    rules = draw.world.protocol.isp_unet
-    few = {source: made[source] for source in rules.sources}
-    folder = draw.folder and draw.folder / "unet"
-    learner = unet_learner(rules, draw.world.protocol.isp, draw.mode, folder)
-    return isp_draw(draw, few, tests, learner)
-
-
 def test_frames(world: World, camera: Camera, mode: str) -> Frames:
     """Return the camera's frames of the test half, the same for all draws."""
     rules = world.protocol.isp
@@ -121,23 +109,6 @@ def sampled(
     flat, wanted = inputs.reshape(-1, 3), goals.reshape(-1, goals.shape[-1])
     chosen = rng.permutation(len(flat))[:count]
     return flat[chosen], wanted[chosen]
-
-
-def unet_learner(
-    rules: IspUnetRules, isp: IspRules, mode: str, folder: Path | None
-) -> Learner:
-    """Return the Learner of a U-net. mode : quick or full. folder : of checkpoints."""
-
-    def learner(own: Pairs, seed: int, name: str) -> Developer:
-        count = round(len(own.inputs) * isp.validation)
-        examples = Examples(
-            channels_first(own.inputs), channels_first(own.both()), count
-        )
-        path = None if folder is None else folder / f"{file_name(name)}.pt"
-        trained = train(examples, rules, rules.steps[mode], seed, path)
-        return lambda inputs: np.moveaxis(trained(channels_first(inputs)), 1, -1)
-
-    return learner
 
 
 def channels_first(images: Array) -> Array:

@@ -17,6 +17,7 @@ from studies.sources.upi import upi
 from studies.summaries import reduced
 from studies.tables_night import night_tables
 from studies.tasks import isp as study
+from studies.tasks.isp_unet import unet_learner
 from studies.world.shots import night_shots
 
 
@@ -127,7 +128,7 @@ def test_a_draw_has_each_goal_source_measure_and_frame(small, camera):
 def test_a_unet_learns_both_goals(small, camera, tmp_path):
     pytest.importorskip("torch")
     rules = replace(small.protocol.isp_unet, steps={"quick": 60}, size=16, width=8)
-    learner = study.unet_learner(rules, small.protocol.isp, "quick", tmp_path)
+    learner = unet_learner(rules, small.protocol.isp, "quick", tmp_path)
     found = drawn(small, camera, 0, learner)
     for of_sources in found.values():
         mean = {s: np.mean(e["difference"]) for s, e in of_sources.items()}
