@@ -40,7 +40,6 @@ STUDIES = (
     "isp_unet",
     "content",
 )
-EARLIER = "*First edition: its results are not in evidence.json.*"
 FIGURES = {  # what a reader without pictures is told, by section
     "scenes": "Scenes as the camera sees them, developed, and as a renderer has them; "
     "the first two rows by day, the others by night",

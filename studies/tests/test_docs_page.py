@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from studies.docs_page import (
-    EARLIER,
     FIGURES,
     STUDIES,
     image,
@@ -66,8 +65,8 @@ def section(page, name):
 
 
 def differing(page, found):
-    """Return the studies whose tables on a page are not those of summaries, and which
-    the page neither lacks nor says to be of the first edition."""
+    """Return the studies whose tables on a page are not those of summaries: a section
+    without summaries is empty."""
     tables = tables_by_study(found, PROTOCOL.classical.within)
     return [
         name
@@ -75,7 +74,7 @@ def differing(page, found):
         if not (
             section(page, name).startswith(tables[name])
             if name in tables
-            else section(page, name).startswith(EARLIER) or not section(page, name)
+            else not section(page, name)
         )
     ]
 
