@@ -28,6 +28,7 @@ from studies.protocol import PROTOCOL
 from studies.results import (
     Results,
     add,
+    entry_of,
     others,
     read_results,
     set_aside,
@@ -221,6 +222,8 @@ def run(given: argparse.Namespace) -> str:
         for camera in cameras(given, data, name):
             if name in LEARNED:
                 go_on(prepared_run, name, camera)
+                continue
+            if entry_of(results, camera, name):
                 continue
             entry = MEASURED[name](limited(world, [name]), camera, given.mode)
             if entry is None:
