@@ -4,6 +4,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import truncnorm
 
 from calibration.planted import RANGE, SHAPE, sensor_of
 from cg2raw import _core
@@ -14,7 +15,7 @@ from cg2raw.calibration.calibration import (
 )
 from cg2raw.calibration.darks import MOST_HOT, DarkCurrent, dark_spread
 from cg2raw.calibration.fitting import Fitted
-from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.measured import CUT, LEFT, Measured
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.structure import glow
 from cg2raw.calibration.table import dark_lines, told
@@ -94,6 +95,10 @@ def test_a_glow_as_wide_as_the_field_is_a_limit():
     rows = {name: more for name, *more in dark_lines(found_with(glow=shine))}
     value, words = rows["amplifier glow"]
     assert value is None and "wider than 1 half diagonals" in words
+
+
+def test_what_a_cut_leaves_of_a_variance_is_that_of_a_truncated_normal():
+    assert LEFT == pytest.approx(truncnorm.var(-CUT, CUT), rel=1e-9)
 
 
 def test_a_number_without_an_error_has_none():
