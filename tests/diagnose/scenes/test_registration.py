@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.nuisances import nuisances_of
 from cg2raw.diagnose.scenes.registration import Placement, first_guess, warped
-from diagnose.planted import drawn
+from diagnose.planted import capture_of, drawn, frames_of
 from diagnose.scenes.test_decide import SENSOR, decided, images
 
 FREE = frozenset({"registration", "exposure", "light", "radiance"})
@@ -33,6 +35,14 @@ def test_a_step_is_the_inverse_of_a_warp():
     assert moved.affine.tolist() == [[0.5, 0, 0], [0, 0.2, 0]]
     assert moved.gain.tolist() == pytest.approx([1.1] * 3)
     assert (far, brighter) == (0.5, pytest.approx(0.1))
+
+
+def test_a_smooth_error_of_light_is_of_products_of_legendre_polynomials():
+    [frame] = frames_of(SENSOR, [capture_of()])
+    asked = CaptureSet(SENSOR, [], frozenset({"radiance"}))
+    of_light = {n.name: n.change / frame.camera for n in nuisances_of(asked, frame, 1)}
+    down, across = of_light["field 1 0"], of_light["field 0 1"]
+    assert of_light["field 1 2"] == pytest.approx(down * (3 * across**2 - 1) / 2)
 
 
 def test_what_is_displaced_and_brighter_is_found():
