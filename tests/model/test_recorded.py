@@ -102,7 +102,7 @@ def test_a_group_is_what_is_drawn(black, drift, lines, fixed, frames, charged):
 def test_fine_codes_need_no_table():
     about, levels, places = Offsets(4.0, 0.1, 0.1), np.full(1, 200.0), np.zeros(1)
     values, slopes = recorder_of(levels, places, about, 4.0, WHITE, False)(about)
-    assert Recording(*values) == (200.0, 4.0 + 1 / 12, 1.0, 1.0, 0.0, 1.0, 0.0)
+    assert Recording(*values) == (200.0, 4.0 + 1 / 12, 1.0, 1.0, 0.0, 1.0, 0.0, 1.0)
     assert slopes.sum() == slopes[1, 0] == 1
     table = recorder_of(levels, places, about, 1.0, WHITE, False)
     np.testing.assert_allclose(table(about)[0], values, rtol=1e-4, atol=1e-9)

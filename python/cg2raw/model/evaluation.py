@@ -104,17 +104,17 @@ class Evaluation:
         terms: Array,
         places: NDArray[np.int64],
         diagonal: Array,
-    ) -> Array | None:
-        """Add mean products (N, N) of given freedom, and return the score by their
-        covariance, (N, N); None, and a value of -inf, where that is not positive.
+    ) -> bool:
+        """Add mean products (N, N) of given freedom; return whether their covariance is
+        positive, else the value is -inf.
 
         covariance : (N, N), of which terms, (K, N, N), are the slopes by the parameters
-        at places, and diagonal, (N, n), those by all others, on the diagonal alone."""
+        at places, and diagonal, (N, n), those by all that are on the diagonal alone."""
         try:
             root = np.linalg.cholesky(covariance)
         except np.linalg.LinAlgError:
             self.value = -np.inf
-            return None
+            return False
         half = freedom / 2
         inverse = np.linalg.inv(covariance)
         measured = inverse @ products
@@ -131,4 +131,4 @@ class Evaluation:
         flat = turned.reshape(len(terms), -1)
         other = turned.swapaxes(1, 2).reshape(len(terms), -1)
         self.information[np.ix_(places, places)] += half * flat @ other.T
-        return misfit
+        return True

@@ -172,9 +172,10 @@ def _correlations(statistics: ConstantStatistics, found: Fit) -> Iterator[Figure
         return
     pairs = statistics.pairs[used].astype(float)
     samples = sum(float((~plane.masked).sum()) for plane in statistics.planes)
-    coded = np.mean(
-        [_coded(found, plane)[used] for plane in found.likelihood.planes], 0
-    )
+    each = [_coded(found, plane) for plane in found.likelihood.planes]
+    coded, slopes = (np.mean(some, 0)[used] for some in zip(*each, strict=True))
+    known = np.isfinite(np.diagonal(found.covariance)) & slopes.any(axis=0)
+    covariance = found.covariance[np.ix_(known, known)]
     for name, lag in (
         ("correlation, next in row", (0, 1)),
         ("correlation, next in column", (1, 0)),
@@ -182,18 +183,24 @@ def _correlations(statistics: ConstantStatistics, found: Fit) -> Iterator[Figure
         measured = neighbours(statistics, *lag)
         if measured is None:
             continue
-        value = float(np.average(measured[used] / coded, weights=pairs))
-        error = float(1 / np.sqrt(pairs.sum() * samples)) / float(coded.mean())
+        values = measured[used] / coded
+        value = float(np.average(values, weights=pairs))
+        slope = np.average(values[:, None] * slopes[:, known], axis=0, weights=pairs)
+        own = 1 / (pairs.sum() * samples) / coded.mean() ** 2
+        error = float(np.sqrt(own + slope @ covariance @ slope))
         yield Figure(
             name, "1", value, error, value - NORMAL * error, value + NORMAL * error
         )
 
 
-def _coded(found: Fit, plane: PlaneLikelihood) -> Array:
-    """Return (G,) the correlation of codes over that of the noise that they record."""
-    records, _ = plane.records(found.theta)
-    coded: Array = plane.offsets(found.theta)[0][0] * records[5] ** 2 / records[1]
-    return coded
+def _coded(found: Fit, plane: PlaneLikelihood) -> tuple[Array, Array]:
+    """Return (G,) the correlation of codes over that of the noise that they record, and
+    (G, n) slopes of its logarithm."""
+    (noise, *_), (by, *_) = plane.offsets(found.theta)
+    records, slopes = plane.records(found.theta)
+    coded = noise * records[5] ** 2 / records[1]
+    relative = by.T / noise + 2 * slopes[5].T / records[5] - slopes[1].T / records[1]
+    return coded, relative.T
 
 
 def _patterns(found: Fit) -> Iterator[Figure]:

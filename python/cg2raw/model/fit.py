@@ -328,7 +328,7 @@ def _start_noise(
         theta[gain] = profile[gain]
     names = [place(c.name) for c in TEMPORAL]
     columns = [n for n in (read, gain, *names) if free[n]]
-    records, slopes = np.ones((7, len(signal))), np.zeros((7, len(signal), len(theta)))
+    records, slopes = np.ones((8, len(signal))), np.zeros((8, len(signal), len(theta)))
     slopes[1, :, read], slopes[1, :, gain] = 1.0, signal
     records[6] = 0.0
     _, by = plane.temporal(theta, records, slopes)

@@ -62,7 +62,7 @@ class Block:
 
 
 class _Records(NamedTuple):
-    """Of the mean images of some planes at some parameters: (7, N) records, (7, N, n)
+    """Of the mean images of some planes at some parameters: (8, N) records, (8, N, n)
     their slopes."""
 
     values: Array
@@ -196,21 +196,15 @@ class MeanImageLikelihood:
             records = _records_of(block, recorded, together)
             one = self._covariance(block, theta, records)
             share = self._noise_share(block)
-            misfit = found.add_wishart(
+            is_positive = found.add_wishart(
                 block.products,
                 block.freedom,
                 one.whole,
-                one.terms,
-                block.places,
+                *_slopes_of(block, one, records),
                 share[:, None] * records.slopes[1] + records.slopes[4],
             )
-            if misfit is None:
+            if not is_positive:
                 return
-            # Responses move them, too: by too little for the information.
-            for by, of in ((3, one.patterns), (2, one.moving)):
-                if records.slopes[by].any():
-                    by_response = 2 * (misfit * of).sum(axis=0) / records.values[by]
-                    found.score += by_response @ records.slopes[by]
 
     def covariances(
         self, theta: Array, recorded: Sequence[tuple[Array, Array]]
@@ -227,9 +221,10 @@ class MeanImageLikelihood:
         return np.concatenate(share) / np.tile(self.planes[0].frames, len(share))
 
     def _covariance(self, block: Block, theta: Array, records: _Records) -> _Covariance:
-        _, noise, lines, response, steps = records.values[:5]
+        _, noise, lines, _, steps = records.values[:5]
+        response = records.values[_response(block)]
         terms, count, size = block.terms, block.fixed, len(noise)
-        if (records.values[2:4] != 1).any():
+        if (lines != 1).any() or (response != 1).any():
             scales = np.array([np.outer(one, one) for one in (response, lines)])
             terms = terms * np.repeat(scales, (count, len(terms) - count), axis=0)
         values, flat = theta[block.places], terms.reshape(len(terms), -1)
@@ -239,6 +234,26 @@ class MeanImageLikelihood:
             (values[:count] @ flat[:count]).reshape(size, size),
             (values[count:] @ flat[count:]).reshape(size, size),
         )
+
+
+def _slopes_of(
+    block: Block, one: _Covariance, records: _Records
+) -> tuple[Array, NDArray[np.int64]]:
+    """Return (K, N, N) slopes of a covariance by parameters, and their places: of its
+    terms, and of what responses depend on."""
+    found = dict(zip(block.places.tolist(), one.terms, strict=True))
+    for by, of in ((_response(block), one.patterns), (2, one.moving)):
+        relative = records.slopes[by] / records.values[by][:, None]
+        for place in np.flatnonzero(relative.any(axis=0)).tolist():
+            term = relative[:, place, None] * of
+            found[place] = found.get(place, 0.0) + term + term.T
+    each = np.array(list(found.values())).reshape(len(found), *one.rest.shape)
+    return each, np.array(list(found), int)
+
+
+def _response(block: Block) -> int:
+    """Return which record the patterns of a part are recorded by."""
+    return 3 if block.part == PIXEL else 7
 
 
 def _records_of(

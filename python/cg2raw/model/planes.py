@@ -204,7 +204,7 @@ class PlaneLikelihood:
         return found
 
     def records(self, theta: Array) -> tuple[Array, Array]:
-        """Return (7, G) Recordings and (7, G, n) their slopes by parameters."""
+        """Return (8, G) Recordings and (8, G, n) their slopes by parameters."""
         offsets, by = self.offsets(theta)
         known = [
             recorder(Offsets(*each))

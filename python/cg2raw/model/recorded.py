@@ -103,7 +103,8 @@ class Recording(NamedTuple):
     recorded, rms. fixed : by how much the mean code moves with the signal. steps :
     DN^2, variance of the mean codes of pixels beyond fixed^2 times that of their
     offsets and what variance makes. noise : by how much noise of a pixel is recorded,
-    rms: correlations are of that. fading : variance of fixed from frame to frame."""
+    rms: correlations are of that. fading : variance of fixed from frame to frame.
+    places : by how much what places differ by is recorded, rms."""
 
     place: float
     variance: float
@@ -112,6 +113,7 @@ class Recording(NamedTuple):
     steps: float
     noise: float
     fading: float
+    places: float
 
 
 class Offsets(NamedTuple):
@@ -133,7 +135,7 @@ class Recorder:
 
     level : DN, of the codes. about : offsets for which the table is exact, of noise
     within AROUND; near them it is linear. table : of (Recording, slopes by lines,
-    slopes by fixed), (21,), by the logarithm of the noise's variance; None where codes
+    slopes by fixed), (24,), by the logarithm of the noise's variance; None where codes
     are fine in any case. by_lines : DN^4, variance of the variance of codes from line
     to line, by where their offsets put them."""
 
@@ -151,13 +153,13 @@ class Recorder:
         return bool((moved <= SAME * np.array(self.about) + SAME * LEAST_OFFSET).all())
 
     def __call__(self, offsets: Offsets) -> tuple[Array, Array]:
-        """Return a Recording, (7,), and its slopes by the offsets, (7, 3)."""
+        """Return a Recording, (8,), and its slopes by the offsets, (8, 3)."""
         noise = offsets.noise
         if self.table is None:
-            found = np.array([self.level, noise + ROUNDING, 1.0, 1.0, 0.0, 1.0, 0.0])
-            return found, np.eye(7, 3, -1) * [1.0, 0.0, 0.0]
+            fine = Recording(self.level, noise + ROUNDING, 1.0, 1.0, 0.0, 1.0, 0.0, 1.0)
+            return np.array(fine), np.eye(8, 3, -1) * [1.0, 0.0, 0.0]
         at = np.clip(np.log(noise), *self.table.x[[0, -1]])
-        known, slopes = (self.table(at, n).reshape(3, 7) for n in (0, 1))
+        known, slopes = (self.table(at, n).reshape(3, 8) for n in (0, 1))
         lines, fixed = (
             offsets.lines - self.about.lines,
             offsets.fixed - self.about.fixed,
@@ -317,14 +319,17 @@ def _recording(
     response = pattern @ (WEIGHTS * NODES) / np.sqrt(fixed)
     jumps = pattern**2 @ WEIGHTS - (pattern @ WEIGHTS) ** 2 - response**2 * fixed
     steps = float(jumps.mean() + response.var() * fixed) - moved / frames
+    slope = max(float(response.mean()), LEAST_RESPONSE)
+    spread = max(float(places.std() / place.std()), LEAST_RESPONSE) if again else slope
     found = Recording(
         float(place.mean()),
         noise + moved,
         float(np.sqrt(lines)),
-        max(float(response.mean()), LEAST_RESPONSE),
+        slope,
         steps,
         float(np.sqrt((law.of(by_noise, at) @ WEIGHTS).mean())),
         float(by_frames.var(ddof=1)) if len(levels) > 1 else 0.0,
+        spread,
     )
     at = place[:, None] + NODES * np.sqrt(square)
     by_lines = law.of(law.variance, at).mean(axis=0)

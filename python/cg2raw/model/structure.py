@@ -18,6 +18,7 @@ def structure_of(found: Fit, signature: str) -> tuple[float, float]:
     """Return the mean square over the frame and its standard error; nan where the
     frames do not show it. signature : "constant", "time" or "light"."""
     squares, variances, samples = 0.0, 0.0, 0
+    slopes = np.zeros(len(found.theta))
     for plane in found.likelihood.planes:
         signatures = {"constant": np.ones(len(plane.time))}
         if len(set(plane.time[~plane.is_flat])) > 1:
@@ -26,27 +27,33 @@ def structure_of(found: Fit, signature: str) -> tuple[float, float]:
             signatures["light"] = plane.light
         if signature not in signatures:
             return NOT_KNOWN
-        one, variance = _in_plane(found, plane, signatures, signature)
+        one, variance, slope = _in_plane(found, plane, signatures, signature)
         squares, variances = squares + one, variances + variance
         samples += plane.plane.masked.size
+        slopes += slope
+    known = np.isfinite(np.diagonal(found.covariance)) & (slopes != 0)
+    variances += slopes[known] @ found.covariance[np.ix_(known, known)] @ slopes[known]
     return squares / samples, float(np.sqrt(variances)) / samples
 
 
 def _in_plane(
     found: Fit, plane: PlaneLikelihood, signatures: dict[str, Array], wanted: str
-) -> tuple[float, float]:
-    """Return the sum of squares of the low coefficients, and its variance."""
-    response = plane.records(found.theta)[0][3]
+) -> tuple[float, float, Array]:
+    """Return the sum of squares of the low coefficients, its variance, and its (n,)
+    slopes by parameters, on which it depends how places are recorded."""
+    records, slopes = plane.records(found.theta)
+    response = records[7]
     design = np.column_stack(list(signatures.values())) * response[:, None]
     largest = np.abs(design).max(axis=0)
     if not (np.isfinite(largest) & (largest > 0)).all():  # codes hide all of it
-        return NOT_KNOWN
+        return (*NOT_KNOWN, 0 * found.theta)
     if np.linalg.matrix_rank(design / largest) < design.shape[1]:
-        return NOT_KNOWN
+        return (*NOT_KNOWN, 0 * found.theta)
     noises = low_noise(plane)
     weighted = design / (noises[:, PIXEL] / plane.frames)[:, None]
     weights = np.linalg.solve(weighted.T @ design, weighted.T)
     weights = weights[list(signatures).index(wanted)]
+    by_response = (weights * signatures[wanted]) @ slopes[7]
     square = variance = 0.0
     for part in map(int, np.flatnonzero(LOW)):
         freedom = plane.plane.freedom[part]
@@ -64,7 +71,7 @@ def _in_plane(
         variance += 4 * (chance + shared) * max(size, 0.0)
         of_noise = 2 * freedom * noise**2 / np.maximum(plane.frames - 1, 1)
         variance += float(of_noise.sum())
-    return square, variance
+    return square, variance, -2 * max(square, 0.0) * by_response
 
 
 def low_noise(plane: PlaneLikelihood) -> Array:
