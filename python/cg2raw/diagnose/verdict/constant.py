@@ -183,8 +183,8 @@ def _by_split(statistics: ConstantStatistics) -> Mapping[str, list[str]]:
 
 
 def _fit_of(found: DarksAndFlats, chosen: Sequence[str]) -> Fit:
-    """Return the fit of what is named, and of what is free; all else is as the profile
-    has it."""
+    """Return the fit of what is named; all else is as the profile has it, but for what
+    is FREE, which is as all together show it."""
     names = found.both.parameters.names
     beginnings = [name.partition(",")[0] for name in names]
     stated = {entry["name"] for entry in found.captures.sensor.effects or ()}
@@ -192,9 +192,10 @@ def _fit_of(found: DarksAndFlats, chosen: Sequence[str]) -> Fit:
     moving = [other for one in (*chosen, *stated) for other in MOVES.get(one, ())]
     chosen = [*chosen, *moving]
     parameters = [p for name in chosen for p in NAMES.get(name, ())]
-    free = np.isin(beginnings, [*parameters, *FREE])
-    free &= np.isfinite(np.diagonal(found.both.covariance))
-    start = np.where(free, found.both.theta, found.profile)
+    known = np.isfinite(np.diagonal(found.both.covariance))
+    free = np.isin(beginnings, parameters) & known
+    kept = free | np.isin(beginnings, FREE) & known
+    start = np.where(kept, found.both.theta, found.profile)
     return refitted(found.both.likelihood, start, free)
 
 
