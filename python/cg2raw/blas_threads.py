@@ -18,8 +18,8 @@ def one_blas_thread(function: Callable[Given, Found]) -> Callable[Given, Found]:
     """Return a function while which NumPy's and SciPy's BLAS have one thread."""
 
     @wraps(function)
-    def called(*given: Given.args, **named: Given.kwargs) -> Found:
+    def _called(*given: Given.args, **named: Given.kwargs) -> Found:
         with threadpool_limits(limits=1, user_api="blas"):
             return function(*given, **named)
 
-    return called
+    return _called

@@ -17,7 +17,6 @@ from scipy.signal import lfilter
 
 from cg2raw.arrays import RawImage
 from cg2raw.diagnose.captures.capture import Capture
-from cg2raw.diagnose.effects.registry import listed_parameters
 from cg2raw.sensor import Sensor
 from cg2raw.synthetic.synthetic_camera import stream
 
@@ -70,6 +69,7 @@ def levels_of(sensor: Sensor, iso: float, captures: list[Capture]) -> Levels:
     black = np.tile(tile, repeats)[: shape[0], : shape[1]]
     reach = sensor.white_level - float(tile.mean())
     row = sensor.noise_at(iso)
+    stated = [e for e in sensor.effects if e["name"] == "read_noise_correlation"]
     flats = [c for c in captures if c.shows.light]
     brightest = [float(np.median(flat.raw() - black)) for flat in flats]
     return Levels(
@@ -78,9 +78,7 @@ def levels_of(sensor: Sensor, iso: float, captures: list[Capture]) -> Levels:
         float(np.sqrt(np.mean(row["beta2"]))) * reach,
         sensor.white_level,
         max(brightest, default=0.0),
-        (listed_parameters(sensor, "read_noise_correlation") or {}).get(
-            "coefficient", 0.0
-        ),
+        next((e["parameters"]["coefficient"] for e in stated), 0.0),
     )
 
 
