@@ -393,8 +393,10 @@ class ConstantStatistics:
             about = json.loads(str(found.pop("about")))
             if (version := about["version"]) == VERSION:
                 whole = cls._of(found, about)
-        except (*DAMAGED, BadZipFile, zlib.error) as error:
-            raise ValueError(f"{path}: no statistics of frames: {error}") from None
+        except (*DAMAGED, BadZipFile, zlib.error):
+            raise ValueError(
+                f"{path}: no statistics of frames, or a damaged file: name another"
+            ) from None
         if version != VERSION:
             raise ValueError(
                 f"{path}: statistics of version {version}; must be {VERSION}: remove "
