@@ -32,9 +32,10 @@ def by_plugin(system_oiiotool, tmp_path):
     """Return (sensor, capture, number) -> DN, as the plugin writes them."""
 
     def simulate(sensor, capture, number):
-        profile = tmp_path / f"{sensor.id}.json"
+        # Frames are read side by side.
+        profile = tmp_path / f"{number}.json"
         profile.write_text(sensor.to_json())
-        exr, dng = tmp_path / "scene.exr", tmp_path / "frame.dng"
+        exr, dng = tmp_path / f"{number}.exr", tmp_path / f"{number}.dng"
         write_image(
             exr, scene_of(capture), {"ExposureTime": float(capture.exposure_time)}
         )

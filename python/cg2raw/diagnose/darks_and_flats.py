@@ -338,6 +338,7 @@ def untested(sensor: Sensor) -> set[str]:
     """Return the effects that a profile states and darks and flats cannot test: it says
     a law or a shape, and a variance of what is not masked is what they measure."""
     stated = {entry["name"] for entry in sensor.effects or ()}
+    stated |= {TAILS} & {*sensor.noise_effects}
     tested = {*OF_EFFECTS, *NOISE_TABLE, *SHARED, "black_level", WELL, "hot_pixels"}
     return stated - tested | stated & {"dark_current_nonuniformity"}
 
