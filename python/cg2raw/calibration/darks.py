@@ -73,12 +73,16 @@ class DarkSpread:
     most_hot: float
 
     @property
+    def has_most_hot(self) -> bool:
+        """Whether there are as many hot pixels as are searched for, or more."""
+        return self.fraction.value > (1 - AT_BOUND) * MOST_HOT
+
+    @property
     def has_too_many_hot(self) -> bool:
         """Whether the share of hot pixels is at the end of the search, or the law of
         the others is so wide that it has hot ones, too: no number was measured."""
         is_wide = self.log_sigma.value > (1 - AT_BOUND) * MOST_LOG_SIGMA
-        has_most = self.fraction.value > (1 - AT_BOUND) * MOST_HOT
-        return has_most or (is_wide and self.spread_nats >= LEAST_NATS)
+        return self.has_most_hot or (is_wide and self.spread_nats >= LEAST_NATS)
 
     @property
     def has_hot(self) -> bool:
@@ -101,7 +105,7 @@ class DarkSpread:
         """What is known of a share of hot pixels that was not measured."""
         if self.has_hot:
             return ""
-        if self.fraction.value > (1 - AT_BOUND) * MOST_HOT:
+        if self.has_most_hot:
             return f"more than {MOST_HOT:.0%}"
         if self.has_too_many_hot:
             return "not told from the others, which are as uneven"

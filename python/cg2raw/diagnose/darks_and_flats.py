@@ -156,15 +156,18 @@ def darks_and_flats(
     )
     read = partial(saved_statistics, saved) if saved else statistics_by_split
     whole = read(used, sensor, tell)
-    well = _well(sensor, iso, whole, least)
+    has_noise = bool(sensor.noise) and iso is not None
+    parameters = Parameters(len(whole.planes))
+    profile = profile_values(sensor, iso if has_noise else None, parameters)
+    well = full_well(whole, GROUPS[:2], profile, has_noise, least)
     if well is not None:
         used, more = _below(well, whole, used)
         notes += more
         whole = statistics_by_split(used, sensor, tell)
     if not any(c.divided for c in used):
         notes += lines_apart(whole, used)
-    both = of_splits(whole, (TRAINING, VALIDATION))
-    profile, has_noise = _null(sensor, iso, both)
+    if not has_noise:
+        profile = _with_noise_of(of_splits(whole, GROUPS[:2]), profile, parameters)
     halves = Halves()
     for axis in (0, 1):
         one = halves_of(whole, (TRAINING, VALIDATION), axis)
@@ -173,7 +176,7 @@ def darks_and_flats(
     as_taken, stated_shapes = whole, StatedShapes()
     if not any(c.divided for c in used):
         stated_shapes = StatedShapes.of(sensor, whole)
-        profile = stated_shapes.added_to(profile, Parameters(len(whole.planes)))
+        profile = stated_shapes.added_to(profile, parameters)
         whole = stated_shapes.without(whole, profile)
     splits = [of_splits(whole, (split,)) for split in (TRAINING, VALIDATION)]
     both = of_splits(whole, (TRAINING, VALIDATION))
@@ -218,7 +221,7 @@ def darks_and_flats(
     if levels[0] is not None and levels[1] is not None:
         gains |= level_gains(levels[0], levels[1], least)
     if well is not None:
-        gains[WELL] = well.nats
+        gains[WELL] = _nats_of_well(well, sensor, white)
     stated = untested(sensor) - {*stated_shapes.names}
     hidden = {*stated, *(() if has_noise else NOISE_TABLE)}
     asked = set(gains) if names is None else set(gains) & set(names)
@@ -256,19 +259,14 @@ def darks_and_flats(
     )
 
 
-def _well(
-    sensor: Sensor, iso: float | None, statistics: ConstantStatistics, least: float
-) -> FullWell | None:
-    has_noise = bool(sensor.noise) and iso is not None
-    parameters = Parameters(len(statistics.planes))
-    profile = profile_values(sensor, iso if has_noise else None, parameters)
-    found = full_well(statistics, GROUPS[:2], profile, has_noise, least)
+def _nats_of_well(well: FullWell, sensor: Sensor, white: float) -> float:
+    """Return what a full well gains; of one that the profile states, if it is another.
+    white : DN above black."""
     stated = listed_parameters(sensor, WELL)
-    if found is None or stated is None:
-        return found
-    white = sensor.white_level - float(np.mean(sensor.black_level))
-    away = (found.level - (1 - stated["below_white"]) * white) / found.error
-    return replace(found, nats=min(found.nats, away**2 / 2))
+    if stated is None:
+        return well.nats
+    away = (well.level - (1 - stated["below_white"]) * white) / well.error
+    return min(well.nats, away**2 / 2)
 
 
 def _below(
@@ -310,19 +308,15 @@ def lines_apart(
             )
 
 
-def _null(
-    sensor: Sensor, iso: float | None, both: ConstantStatistics
-) -> tuple[Array, bool]:
-    """Return the parameters, (n,), as a profile has them, and whether it has noise; if
-    not, noise is as in the frames."""
-    parameters = Parameters(len(both.planes))
-    if sensor.noise and iso is not None:
-        return profile_values(sensor, iso, parameters), True
-    found, fitted = profile_values(sensor, None, parameters), fit(both).theta
+def _with_noise_of(
+    both: ConstantStatistics, profile: Array, parameters: Parameters
+) -> Array:
+    """Return a profile's parameters, (n,), with noise as in the frames."""
+    found, fitted = profile.copy(), fit(both).theta
     for name in ("read_noise", "gain"):
         places = parameters.of(name) + np.arange(parameters.sites)
         found[places] = fitted[places]
-    return found, False
+    return found
 
 
 def of_splits(

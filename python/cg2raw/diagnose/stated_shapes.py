@@ -50,14 +50,19 @@ class Parts(NamedTuple):
         rows, columns = (image.mean(axis=n, dtype=float) - mean for n in (1, 0))
         return cls(mean, rows, columns, field)
 
-    def plus(self, other: "Parts", share: float) -> "Parts":
-        """Return the parts of this image and a share of another."""
+    def less(self, other: "Parts") -> "Parts":
+        """Return the parts of this image less another."""
         return Parts(
-            self.mean + share * other.mean,
-            self.rows + share * other.rows,
-            self.columns + share * other.columns,
-            self.field + share * other.field,
+            self.mean - other.mean,
+            self.rows - other.rows,
+            self.columns - other.columns,
+            self.field - other.field,
         )
+
+    def times(self, factor: float) -> "Parts":
+        """Return the parts of this image times a factor."""
+        rows, columns, field = (factor * one for one in self[1:])
+        return Parts(factor * self.mean, rows, columns, field)
 
 
 @dataclass(frozen=True)
@@ -96,10 +101,9 @@ class StatedShapes:
             return [Parts.of(mean[0][r::side, c::side]) for r, c in sites]
 
         dark, lit = planes(0.0), planes(HALF)
-        nothing = dark[0].plus(dark[0], -1.0)
-        offset = tuple(nothing.plus(one, white) for one in dark)
+        offset = tuple(one.times(white) for one in dark)
         light = tuple(
-            nothing.plus(one.plus(black, -1.0), 1 / HALF)
+            one.less(black).times(1 / HALF)
             for one, black in zip(lit, dark, strict=True)
         )
         return cls(tuple(name for name, _ in given), offset, light)
@@ -149,7 +153,7 @@ class StatedShapes:
         every = self.offset if name == "bias_structure" else self.light
         image = Parts(*(sum(some) / len(every) for some in zip(*every, strict=True)))
         if name == "color_shading":
-            image = self.light[0].plus(image, -1.0)
+            image = self.light[0].less(image)
         bare = replace(
             statistics.planes[0],
             rows=image.rows[None],

@@ -5,7 +5,7 @@
 Charge that a well does not hold takes its shot noise along. Source: EMVA Standard 1288,
 release 4.0, saturation capacity."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cg2raw.model.evaluation import Parameters
 from cg2raw.statistics.codes import COARSE
-from cg2raw.statistics.constant import Array, ConstantStatistics
+from cg2raw.statistics.constant import Array, ConstantStatistics, PlaneStatistics
 
 NAME = "full_well"
 CEILING = 0.5  # of the largest variance of darker flats; below it the well is full
@@ -63,6 +63,8 @@ def full_well(
     of_group = np.array([info.split for info in statistics.groups])
     nats = dict.fromkeys(splits, 0.0)
     tried = float(np.log(sum(plane.noise.size for plane in statistics.planes)))
+    noises = {g: statistics.block_noise(g) for g in _repeated_flats(statistics)}
+    lit = {g: statistics.block_levels(g) for g in noises}
     for site, plane in enumerate(statistics.planes):
         black, read, gain = (
             float(profile[parameters.of(name, site)])
@@ -70,7 +72,7 @@ def full_well(
         )
         if len(darks):
             black, read = float(plane.level[darks].mean()), plane.power[darks].mean()
-        blocks = _blocks_of(statistics, site, black)
+        blocks = _blocks_of(plane, site, black, lit, noises)
         law = gain * blocks.level if has_noise else 0 * blocks.level
         each = _nats_of_less(blocks, read, law)
         is_full = each > least + tried
@@ -93,24 +95,31 @@ def full_well(
     )
 
 
-def _blocks_of(statistics: ConstantStatistics, site: int, black: float) -> _Blocks:
-    """Return the blocks of a site's flats that repeat and that white does not clip."""
-    plane = statistics.planes[site]
-    used = [
+def _repeated_flats(statistics: ConstantStatistics) -> list[int]:
+    return [
         g
         for g, info in enumerate(statistics.groups)
-        if info.kind == "flat"
-        and statistics.pairs[g]
-        and plane.high[g] + plane.low[g] <= MOST_CLIPPED
-        and plane.power[g] > COARSE
+        if info.kind == "flat" and statistics.pairs[g]
     ]
-    each = [
-        (statistics.block_levels(g)[site] - black, *statistics.block_noise(g))
-        for g in used
+
+
+def _blocks_of(
+    plane: PlaneStatistics,
+    site: int,
+    black: float,
+    levels: Mapping[int, Array],
+    noises: Mapping[int, tuple[Array, Array]],
+) -> _Blocks:
+    """Return the blocks of a site's flats that white does not clip. levels, noises : of
+    flats that repeat, block_levels and block_noise."""
+    used = [
+        g
+        for g in levels
+        if plane.high[g] + plane.low[g] <= MOST_CLIPPED and plane.power[g] > COARSE
     ]
-    level = np.concatenate([np.zeros(0), *(one[0] for one in each)])
-    noise = np.concatenate([np.zeros(0), *(one[1][site] for one in each)])
-    error = noise * np.concatenate([np.zeros(0), *(one[2][site] for one in each)])
+    level = np.concatenate([np.zeros(0), *(levels[g][site] - black for g in used)])
+    noise = np.concatenate([np.zeros(0), *(noises[g][0][site] for g in used)])
+    error = noise * np.concatenate([np.zeros(0), *(noises[g][1][site] for g in used)])
     group = np.repeat(np.array(used, int), len(level) // max(len(used), 1))
     known = np.flatnonzero(noise > 0)
     order = known[np.argsort(level[known], kind="stable")]

@@ -208,14 +208,14 @@ class Synthesis:
     FULL_WELL and READ_NOISE. studio : with what goes wrong in a studio."""
 
     sensor: str
-    effects: str = ""
-    seed: int = 0
-    size: str = f"{SHAPE[1]}x{SHAPE[0]}"
-    illuminant: str = ILLUMINANT
-    iso: float | None = None
-    full_well: float | None = None
-    read_noise: float | None = None
-    studio: bool = False
+    effects: str
+    seed: int
+    size: str
+    illuminant: str
+    iso: float | None
+    full_well: float | None
+    read_noise: float | None
+    studio: bool
 
     def folder(self) -> disk.Folder:
         """Return the capture set. Raises ValueError."""

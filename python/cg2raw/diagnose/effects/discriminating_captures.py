@@ -3,10 +3,8 @@
 
 """Sentences on effects that were found, and on the frames in which two differ."""
 
-from collections.abc import Sequence
-
 from cg2raw.diagnose.effects.base import Estimates
-from cg2raw.diagnose.effects.catalogue import effect, every, heading, title
+from cg2raw.diagnose.effects.catalogue import effect, every, heading
 from cg2raw.sensor import Sensor
 
 # What both effects change (their signatures), and what then tells them apart; the most
@@ -64,12 +62,3 @@ def discriminating_captures(first: str, second: str) -> str:
 def sentence(name: str, values: Estimates, sensor: Sensor) -> str:
     """Return one sentence of what was found."""
     return f"{heading(name)}: {effect(name).size_on(values, sensor)}."
-
-
-def deciding_captures(name: str, others: Sequence[str]) -> list[str]:
-    """Return what to capture to tell an effect from those that look alike."""
-    return [
-        f"To tell {title(name)} from {title(other)}: "
-        f"{discriminating_captures(name, other)}"
-        for other in others
-    ]

@@ -24,10 +24,13 @@ from cg2raw.diagnose.diagnosis import (
     Gap,
 )
 from cg2raw.diagnose.effects.catalogue import candidates
-from cg2raw.diagnose.effects.discriminating_captures import deciding_captures
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.verdict.charts import charts_of
-from cg2raw.diagnose.verdict.findings import finding_of, verdict_of
+from cg2raw.diagnose.verdict.findings import (
+    deciding_captures,
+    finding_of,
+    verdict_of,
+)
 from cg2raw.diagnose.verdict.limits import detection_limits
 from cg2raw.diagnose.verdict.profile import mean_of_edge, updated_profile
 from cg2raw.diagnose.verdict.unexplained import (
@@ -101,11 +104,7 @@ def diagnosis_of(
         detection_limits=[
             one for one in detection_limits(found, chosen) if one.name in names
         ],
-        next_captures=[
-            text
-            for one in findings
-            for text in deciding_captures(one.name, one.ambiguous_with)
-        ],
+        next_captures=deciding_captures(findings),
         notes=_notes(found),
         groups=frames,
         charts=list(charts_of(found, model, held_out[1], findings)) if details else [],

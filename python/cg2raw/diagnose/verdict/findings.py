@@ -8,8 +8,11 @@ from collections.abc import Sequence
 
 from cg2raw.diagnose.diagnosis import LARGEST_E, Alternative, Finding
 from cg2raw.diagnose.effects.base import Estimates
-from cg2raw.diagnose.effects.catalogue import effect
-from cg2raw.diagnose.effects.discriminating_captures import sentence
+from cg2raw.diagnose.effects.catalogue import effect, title
+from cg2raw.diagnose.effects.discriminating_captures import (
+    discriminating_captures,
+    sentence,
+)
 from cg2raw.sensor import Sensor
 
 
@@ -39,6 +42,16 @@ def finding_of(
         provisional=is_provisional,
         stated=any(one["name"] == name for one in sensor.effects or ()),
     )
+
+
+def deciding_captures(findings: Sequence[Finding]) -> list[str]:
+    """Return what to capture to tell findings from those that look alike."""
+    return [
+        f"To tell {title(one.name)} from {title(other)}: "
+        f"{discriminating_captures(one.name, other)}"
+        for one in findings
+        for other in one.ambiguous_with
+    ]
 
 
 def verdict_of(findings: Sequence[Finding], is_left: bool) -> str:

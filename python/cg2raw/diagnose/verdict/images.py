@@ -20,14 +20,17 @@ from cg2raw.diagnose.diagnosis import (
 )
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import effect, heading, title
-from cg2raw.diagnose.effects.discriminating_captures import deciding_captures
 from cg2raw.diagnose.scenes.curves import curves_of
 from cg2raw.diagnose.scenes.decide import PHOTONS, WELL, Scenes
 from cg2raw.diagnose.scenes.pictures import histogram, pictures_of
 from cg2raw.diagnose.scenes.predict import variance_left
 from cg2raw.diagnose.scenes.selection import limits
 from cg2raw.diagnose.stated_shapes import SHAPE_ERROR
-from cg2raw.diagnose.verdict.findings import finding_of, verdict_of
+from cg2raw.diagnose.verdict.findings import (
+    deciding_captures,
+    finding_of,
+    verdict_of,
+)
 from cg2raw.diagnose.verdict.profile import updated_profile
 from cg2raw.diagnose.verdict.unexplained import chi_square_test, left_over
 from cg2raw.model.figures import NORMAL
@@ -63,11 +66,7 @@ def diagnosis_of_images(found: Scenes, details: bool) -> Diagnosis:
         tests_after=tests[1],
         unexplained=left,
         detection_limits=[] if found.ended else list(_limits(found)),
-        next_captures=[
-            text
-            for one in findings
-            for text in deciding_captures(one.name, one.ambiguous_with)
-        ],
+        next_captures=deciding_captures(findings),
         notes=notes,
         groups=names,
         pictures=pictures_of(before, after) if details else [],
