@@ -61,7 +61,10 @@ def by_file(
             match = Path(folder) / "match.json"
             fields = matching(told, found.captures, found.as_rendered).fields()
             match.write_text(json.dumps(fields))
-            exposure = {"exposure": f"match:{match}", "seed": seed}
+            exposure: dict[str, str | int] = {
+                "exposure": f"match:{match}",
+                "seed": seed,
+            }
             planes = written_and_read(
                 Path(folder), found.as_rendered, told, lights, exposure
             )
@@ -105,12 +108,12 @@ def planes_of(path: str) -> Planes:
     """Return the sites of a RAW file, by its own phase and levels.
 
     Raises ValueError for a file that does not state them, or is no Bayer mosaic."""
-    frame, *stated = STATED.get(Path(path).name, (None,))
-    raw = open_raw(path, frame)
+    stated = STATED.get(Path(path).name)
+    raw = open_raw(path, stated[0] if stated else None)
     header = raw.header
     cfa, black, white = header.cfa, header.black_level, header.white_level
     if stated:
-        cfa, black, white = "RGGB", stated[:1], stated[1]
+        cfa, black, white = "RGGB", stated[1:2], stated[2]
     if cfa is None or black is None or white is None or sorted(cfa) != list("BGGR"):
         raise ValueError(f"{path}: states no Bayer mosaic and levels")
     row, column = divmod(cfa.index("R"), 2)
