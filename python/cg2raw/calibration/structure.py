@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from cg2raw.calibration.measured import CUT, Array, LinearFit, Measured, linear_fit
 from cg2raw.calibration.seen import Seen
@@ -144,20 +145,21 @@ class Glow:
     """Charge of an amplifier's light: per_second exp(-d / extent), DN/s; d in half
     diagonals from (row, column): -1 is the top or left edge, 1 the bottom or right.
     residual : DN/s, what blocks have besides. mean : DN/s, the glow of the mean
-    block."""
+    block. certainty : per_second over its error, were the place known."""
 
     per_second: Measured
-    row: float
-    column: float
+    row: Measured
+    column: Measured
     extent: Measured
     residual: float
     mean: float
+    certainty: float
 
     @property
     def stands_out(self) -> bool:
         """Whether it is beyond chance, and beyond what else blocks have."""
-        least = max(CERTAIN * self.per_second.standard_error, CUT * self.residual)
-        return self.per_second.value > least
+        is_there = self.certainty > CERTAIN
+        return is_there and self.per_second.value > CUT * self.residual
 
     @property
     def is_measured(self) -> bool:
@@ -167,24 +169,49 @@ class Glow:
 
 
 def glow(rate: Array) -> Glow:
-    """Return the best glow in an (H, W) map of dark current, DN/s; nan is unknown."""
+    """Return the best glow in an (H, W) map of dark current, DN/s; nan is unknown.
+
+    The best of PLACES is where least squares of the place begin."""
     across = min(FIELD_BLOCKS, *(side // 8 for side in rate.shape))
     known = [block[np.isfinite(block)] for block in blocks_of(rate, across)]
     smooth = np.array([float(np.median(b)) if b.size else 0.0 for b in known])
-    rows, cols = (centres(side, across) for side in rate.shape)
-    half, found = math.hypot(*rate.shape) / 2, []
-    for row, col in PLACES:
-        far = np.hypot(
-            rows[:, None] - (row + 1) / 2 * rate.shape[0],
-            cols[None] - (col + 1) / 2 * rate.shape[1],
+    half = math.hypot(*rate.shape) / 2
+    places = [2 * centres(n, across) / n - 1 for n in rate.shape]
+    sides = [n / 2 / half for n in rate.shape]
+
+    def far_from(row: float, col: float) -> Array:
+        rows, cols = (
+            side * (place - at)
+            for side, place, at in zip(sides, places, (row, col), strict=True)
         )
-        far = far.ravel() / half
-        fit, height, length, (_, *errors) = fit_decay(
+        return np.hypot(rows[:, None], cols[None]).ravel()
+
+    def misses(x: Array) -> Array:
+        base, height, row, col, extent = x
+        shine = height * np.exp(-far_from(row, col) / extent)
+        return np.asarray(base + shine - smooth)
+
+    tried = []
+    for row, col in PLACES:
+        far = far_from(row, col)
+        fit, height, length, errors = fit_decay(
             np.ones((len(far), 1)), far, smooth, EXTENTS
         )
-        shine = Measured(height, float(errors[0]), "DN/s")
-        extent = Measured(length, float(errors[1]), "1")
-        mean = height * float(np.exp(-far / length).mean())
-        found.append(Glow(shine, row, col, extent, math.sqrt(fit.variance), mean))
-    shining = [one for one in found if one.per_second.value > 0] or found
-    return min(shining, key=lambda one: one.residual)
+        certainty = height / max(float(errors[1]), 1e-300)
+        start = float(fit.values[0]), height, row, col, length
+        tried.append((fit.variance, certainty, start))
+    _, certainty, start = min([one for one in tried if one[1] > 0] or tried)
+    lowest, highest = (-np.inf, -np.inf, -1, -1), (np.inf, np.inf, 1, 1)
+    bounds = (*lowest, EXTENTS[0]), (*highest, EXTENTS[-1])
+    found = least_squares(misses, start, bounds=bounds, x_scale="jac")
+    variance = 2 * float(found.cost) / max(len(smooth) - len(start), 1)
+    errors = np.sqrt(np.diag(np.linalg.pinv(found.jac.T @ found.jac)) * variance)
+    _, shine, at_row, at_column, extent = (
+        Measured(float(value), float(error), unit)
+        for value, error, unit in zip(
+            found.x, errors, ("DN/s", "DN/s", "1", "1", "1"), strict=True
+        )
+    )
+    mean = float((misses(found.x) + smooth - found.x[0]).mean())
+    residual = math.sqrt(variance)
+    return Glow(shine, at_row, at_column, extent, residual, mean, certainty)

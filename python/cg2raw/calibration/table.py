@@ -118,7 +118,7 @@ def dark_lines(found: Calibration) -> Iterator[Line]:
         yield "hot pixels, mean rate", s.hot_rate if s.has_hot else None, ""
     yield from figures(found, DARK)
     if (g := found.glow) is not None and g.stands_out:
-        at = f"from row {g.row:+.0f}, column {g.column:+.0f}"
+        at = f"from row {g.row.value:+.2g}, column {g.column.value:+.2g}"
         at += "" if g.is_measured else f": wider than {EXTENTS[-1]:g} half diagonals"
         yield "amplifier glow", g.per_second if g.is_measured else None, at
 

@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 
 from cg2raw.model.components import FIXED
 from cg2raw.model.fit import Fit, Prior, gain_of, refitted
+from cg2raw.model.mean_images import low_of
 from cg2raw.model.smallest_set import gains_in_smallest_set
-from cg2raw.statistics.constant import PARTS, Array
+from cg2raw.statistics.constant import PARTS, Array, polynomials
 
 LEVELS = ("black_level", "dark_current", "black_level_drift")
 LENGTHS = 200  # of a decay that are tried: 2 % apart
 LONGEST = 1 / 3  # of the frame: a decay that ends in it, to a twentieth
+LOWEST = 0.1  # of the frame, where an amplifier's light is none
 LEAST_LEVEL = 1e-6  # DN^2: far below what the mean of frames is known to
 
 
@@ -27,7 +29,8 @@ class DarkLevels:
     median : by how much that of dark current is above its mean, and the standard error,
     DN/s: a profile has the median, the likelihood the mean. apart : how far the black
     levels of two amplifiers are, DN: a profile's may be that of either. is_structured :
-    whether the bias has a structure, whose first columns raise the mean."""
+    whether the bias has a structure, whose first columns raise the mean. glows :
+    whether an amplifier does, which raises the mean with time."""
 
     def __init__(
         self,
@@ -39,8 +42,9 @@ class DarkLevels:
         *,
         apart: float = 0.0,
         is_structured: bool = False,
+        glows: bool = False,
     ) -> None:
-        self.apart, self.is_structured = apart, is_structured
+        self.apart, self.is_structured, self.glows = apart, is_structured, glows
         if median == (0.0, 0.0):
             median = unknown_median(training)
         self.places, self.profile, self.median = places, profile.copy(), median
@@ -152,12 +156,15 @@ class DarkLevels:
                 covariance += square / count * np.equal.outer(line, line)
             elif component.planes == "none":
                 covariance += square / (h * w) * np.eye(len(places))
-            elif name == "dark_current":
+            elif name == "dark_current" and not self.glows:
                 parts = float(component.parts @ plane.plane.freedom)
                 covariance += square * parts / (h * w)
         means = self.profile[places]
         if name == "dark_current":
             covariance += self.median[1] ** 2
+            if self.glows:
+                mean = mean_of_glow(self.training)
+                means, covariance = means + mean, covariance + (mean / 2) ** 2
         else:
             covariance += (self.apart / 2) ** 2
             if self.is_structured:
@@ -178,6 +185,24 @@ def unknown_median(fit: Fit) -> tuple[float, float]:
         return 0.0, 0.0
     half = mean * (1 - 1 / np.sqrt(1 + variance / mean**2)) / 2
     return -float(half), float(half)
+
+
+def mean_of_glow(fit: Fit) -> float:
+    """Return the mean of an amplifier's glow, DN/s, to about a half: far from the
+    amplifier there is none, so it is as far above the lowest tenth of the frame."""
+    planes = fit.likelihood.planes
+    dark, time = ~planes[0].is_flat, planes[0].time
+    weights = planes[0].frames * dark
+    weights = weights * (time - weights @ time / weights.sum())
+    weights /= weights @ time
+    side = planes[0].side
+    down, across = (polynomials(length) for length in planes[0].plane.shape)
+    image = np.zeros(planes[0].plane.shape)
+    for site, plane in enumerate(planes):
+        low = np.tensordot(weights, low_of(plane.plane, divmod(site, side), side), 1)
+        low[0, 0] = 0.0
+        image += down.T @ low @ across / len(planes)
+    return max(-float(np.quantile(image, LOWEST)), 0.0)
 
 
 def first_columns(fit: Fit) -> tuple[float, float]:

@@ -121,6 +121,7 @@ def selection(
     levels = {name: places[name] for name in LEVELS if name in places}
     unsure: Mapping[str, float] = {}
     if "black_level_drift" in levels:  # else nothing says how far levels may be off
+        is_stated = "bias_structure" in (allowed or {})
         of_darks = DarkLevels(
             levels,
             training,
@@ -128,7 +129,8 @@ def selection(
             profile,
             shapes.dark_median,
             apart=halves.offset,
-            is_structured=gains.get("bias_structure", 0.0) > least,
+            is_structured=is_stated or gains.get("bias_structure", 0.0) > least,
+            glows=gains.get("amplifier_glow", 0.0) > least,
         )
         gains |= of_darks.gains(least)
         unsure = of_darks.unsure

@@ -91,7 +91,7 @@ def statistics_by_split(
         keys.setdefault(key, []).append(capture)
     side, kept = repeat_of(sensor.cfa), Kept()
     whole = {id(capture): kept.reader(capture.raw) for capture in captures}
-    columns: dict[Group, slice] = {}
+    columns: dict[Group, NDArray[np.intp]] = {}
     if any(capture.divided for capture in captures):
         width = captures[0].shape[1]
         columns = {group: third_of_columns(width, group, side) for group in GROUPS}
@@ -100,9 +100,9 @@ def statistics_by_split(
 
     def reader_of(capture: Capture) -> Reader:
         """Of whole repeats of the CFA, so that all planes are of one size."""
-        own = columns[capture.group] if columns else slice(0, width)
-        if own.stop - own.start == capture.shape[1] and height == capture.shape[0]:
+        if not columns and (height, width) == capture.shape[:2]:
             return whole[id(capture)]
+        own = columns[capture.group] if columns else slice(0, width)
         return lambda: np.ascontiguousarray(whole[id(capture)]()[:height, own])
 
     read = {id(capture): reader_of(capture) for capture in captures}
@@ -129,7 +129,7 @@ def statistics_by_split(
     excluded: NDArray[np.bool_] | None = None
     if masks:
         counted = np.any(masks, axis=0)[:height, :width]
-        parts_of = columns.values() if columns else [slice(0, width)]
+        parts_of = columns.values() if columns else [np.arange(width)]
         excluded = np.any([~counted[:, own] for own in parts_of], axis=0)
     return frame_statistics(
         groups, side, sensor.white_level, excluded=excluded, progress=progress

@@ -48,18 +48,20 @@ def third(shape: Sequence[int], group: Group) -> NDArray[np.bool_]:
     return mask
 
 
-def third_of_columns(width: int, group: Group, side: int = 1) -> slice:
-    """Return the columns of a frame that are one group's, as many in each: those at
-    both ends are to fit and to select, since light falls off alike there.
+def third_of_columns(width: int, group: Group, side: int = 1) -> NDArray[np.intp]:
+    """Return the columns of a frame that are one group's, as many in each, in order:
+    every third one, so that what varies over the field is in all groups alike. They
+    have the colours of the CFA's repeat.
 
-    side : px of the CFA's repeat. Raises ValueError for a frame without a repeat in
-    each group."""
-    count = width // (len(GROUPS) * side) * side
-    if not count:
+    side : px of that repeat. Raises ValueError for a frame without a repeat in each
+    group."""
+    apart, first = len(GROUPS), GROUPS.index(group) * side
+    repeat = np.arange(side) * (apart if side % apart else 1)
+    last = (apart - 1) * side + repeat[-1]
+    if width <= last:
         raise ValueError(
             f"frames: {width} px wide, too narrow to divide their columns; must be "
-            f"{len(GROUPS) * side} at least, or add frames"
+            f"{last + 1} at least, or add frames"
         )
-    last = (width - count) // side * side
-    starts = {"fit": 0, "select": last, "report": last // (2 * side) * side}
-    return slice(starts[group], starts[group] + count)
+    starts = np.arange(0, width - last, apart * side)
+    return np.asarray((first + starts[:, None] + repeat).ravel())
