@@ -184,7 +184,7 @@ def glow(rate: Array) -> Glow:
             side * (place - at)
             for side, place, at in zip(sides, places, (row, col), strict=True)
         )
-        return np.hypot(rows[:, None], cols[None]).ravel()
+        return np.asarray(np.hypot(rows[:, None], cols[None]).ravel())
 
     def misses(x: Array) -> Array:
         base, height, row, col, extent = x

@@ -86,14 +86,9 @@ class DarksAndFlats:
         """Effects that the frames can show, named or not."""
         both = of_splits(self.statistics, GROUPS[:2])
         of_levels = self.levels_of(both, self.both)
-        known = np.isfinite(np.diagonal(self.selection.validation.covariance))
-        names = self.both.parameters.names
-        levels = [name for name in LEVELS if known[names.index(name)]]
-        if "black_level_drift" not in levels:
-            levels = []  # it could be any of the others
         flats = of_levels.names if of_levels is not None else []
         others = set(self.selection.gains) - set(LEVELS)
-        return frozenset([*others, *levels, *flats])
+        return frozenset([*others, *self.selection.levels, *flats])
 
     @property
     def masked(self) -> NDArray[np.bool_]:
@@ -184,6 +179,7 @@ def darks_and_flats(
     for statistics in splits:
         say("fitting darks and flats", 0.55 + 0.1 * len(fits))
         fits.append(fit(statistics, profile))
+    together = fit(both, profile)
     say("dropping each name", 0.75)
     white = sensor.white_level - float(np.mean(sensor.black_level))
     hot = listed_parameters(sensor, "hot_pixels")
@@ -209,6 +205,7 @@ def darks_and_flats(
         of_shapes,
         halves,
         stated_shapes.allowed(whole),
+        together,
     )
     named = found.kept(least)
     levels = [
@@ -237,7 +234,6 @@ def darks_and_flats(
     }
     found = replace(found, gains=gains)
     say("measuring what was found", 0.9)
-    together = fit(both, profile)
     kept = [s for s in of_shapes.found.values() if s.name in found.kept(least)]
     beyond = of_shapes.whole if has_tails else 1.0
     values = tuple(effect_values(both, together, profile, white, kept, beyond))

@@ -7,7 +7,7 @@ with its parameters as trained and all others fitted anew, less the same with it
 parameters as the profile has them. Source: L. Wasserman, A. Ramdas, S. Balakrishnan,
 PNAS 117(29), 2020 (split likelihood-ratio test)."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -52,13 +52,14 @@ UNNAMED = ("column_noise", "row_fixed_pattern", "columns of light", "rows of lig
 class Selection:
     """gains : nats of each name that the frames can show, on validation frames.
     unnamed : likewise of UNNAMED. unsure : how far other effects may move levels of
-    darks, DN or DN/s, by name."""
+    darks, DN or DN/s, by name. levels : of LEVELS, those that darks decide."""
 
     gains: Mapping[str, float]
     training: Fit
     validation: Fit
     unnamed: Mapping[str, float] = field(default_factory=dict)
     unsure: Mapping[str, float] = field(default_factory=dict)
+    levels: Collection[str] = ()
 
     def kept(self, least: float) -> list[str]:
         """Return the names that gain more than @least nats, best first."""
@@ -79,13 +80,15 @@ def selection(
     shapes: Shapes | None = None,
     halves: Halves | None = None,
     allowed: Mapping[str, float] | None = None,
+    together: Fit | None = None,
 ) -> Selection:
     """Return what each name gains.
 
     profile : (n,) parameters of the null. least : nats that a name needs. lags : of
     both, of repeats. shapes : of the same frames; None where they are not known.
     halves : how they differ, which is taken off. allowed : variance of a coefficient
-    that frames may have beyond a shape that a profile states, by name."""
+    that frames may have beyond a shape that a profile states, by name. together : the
+    fit of all these frames, which levels of single darks of two times need."""
     shapes, halves = shapes or Shapes({}), halves or Halves()
     names = training.parameters.names
     gains: dict[str, float] = {}
@@ -119,13 +122,20 @@ def selection(
             prior = Prior(at, profile[at], size**2 * np.eye(len(at)))
         gains[name] = gain_of(own, training, validation, profile, prior)
     levels = {name: places[name] for name in LEVELS if name in places}
+    pair = training, validation
+    if "black_level_drift" not in levels and together is not None:
+        pair = together, together
+        by_both = np.isfinite(np.diagonal(together.covariance))
+        each = {name: np.isin(beginnings, NAMES[name]) & by_both for name in LEVELS}
+        levels = {name: at for name, at in each.items() if at.any()}
     unsure: Mapping[str, float] = {}
-    if "black_level_drift" in levels:  # else nothing says how far levels may be off
+    if "black_level_drift" not in levels:
+        levels = {}  # nothing says how far levels may be off: it could be any of them
+    else:
         is_stated = "bias_structure" in (allowed or {})
         of_darks = DarkLevels(
             levels,
-            training,
-            validation,
+            *pair,
             profile,
             shapes.dark_median,
             apart=halves.offset,
@@ -152,4 +162,4 @@ def selection(
         own = np.isin(names, name) & known
         if own.any():
             unnamed[name] = gain_of(own, training, validation, profile)
-    return Selection(gains, training, validation, unnamed, unsure)
+    return Selection(gains, training, validation, unnamed, unsure, tuple(levels))
