@@ -112,6 +112,8 @@ def test_errors_are_what_they_say():
         calibration = calibrate(sensor, frames_of(sensor, seed, **plan))
         for look, truth in TRUTHS.values():
             measured = look(calibration)
+            if measured is None and truth == 0:
+                continue  # less than none was measured
             offs.append((measured.value - truth) / measured.standard_error)
     assert 0.9 < np.mean(np.abs(offs) < 1.96) < 0.985
     assert 0.8 < np.std(offs) < 1.2

@@ -68,7 +68,10 @@ class Residuals:
         left = self._add(point, nuisances, list(_columns(point)))
         used = point.root > 0
         self.samples += int(used.sum())
+        waves = any(one.name.startswith("flicker") for one in nuisances)
         for name, sums in _sums(point, left, used):
+            if waves and name == "repeats":
+                continue  # they are new in each frame
             self._sums.setdefault(name, []).append(sums)
 
     def _add(

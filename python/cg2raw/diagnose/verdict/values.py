@@ -61,7 +61,7 @@ OF_SHAPES = frozenset(
 def values_of(found: DarksAndFlats, named: Collection[str]) -> list[Value]:
     """Return the values of effects that are named, by training and validation frames;
     of one that stands for another, the later take the place of the fit's."""
-    variances = [*found.values, *_of_variances(found, named)]
+    variances = [*found.values, *_withheld(found, named)]
     return [
         *_before_reduction(found, named, variances),
         *_of_levels(found, named),
@@ -87,9 +87,9 @@ def _of_flicker(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]
             yield Value(flicker.NAME, parameter, *numbers)
 
 
-def _of_variances(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
-    """Yield deviations of patterns and lines where the figures withhold them, since
-    most of a dark is at 0: as the fit has them."""
+def _withheld(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
+    """Yield a dark current, and deviations of patterns and lines, where the figures
+    withhold them, since most of a dark is at 0: as the fit has them."""
     told = {one.effect for one in found.values}
     sensor = found.captures.sensor
     white = sensor.white_level - float(np.mean(sensor.black_level))
@@ -101,6 +101,10 @@ def _of_variances(found: DarksAndFlats, named: Collection[str]) -> Iterator[Valu
         scale = 1.0 if name == "prnu" else white
         value, low, high = (float(np.sqrt(max(x, 0.0))) / scale for x in ends)
         yield Value(name, "sigma", value, low, high)
+    if "dark_current" in named and "dark_current" not in told:
+        rate, error = found.both.of("dark_current")
+        ends = (rate, rate - NORMAL * error, rate + NORMAL * error)
+        yield Value("dark_current", "per_second", *(x / white for x in ends))
 
 
 def limits_of_levels(found: DarksAndFlats) -> Iterator[Value]:
