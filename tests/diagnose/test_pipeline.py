@@ -241,12 +241,9 @@ def test_a_large_frame_is_worked_on_in_tiles():
     assert summary(again) == summary(found)
 
 
-def test_groups_that_are_empty_say_so():
-    captures = [c for c in set_of(SENSOR).captures if c.group != "select"]
-    with pytest.raises(ValueError, match="no frame is in the group select"):
-        run(CaptureSet(SENSOR, captures))
+def test_a_chance_of_none_is_refused():
     with pytest.raises(ValueError, match="alpha 0 must lie between 0 and 1"):
-        run(CaptureSet(SENSOR, captures), alpha=0)
+        run(set_of(SENSOR), alpha=0)
 
 
 @pytest.mark.parametrize(

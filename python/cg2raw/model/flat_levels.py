@@ -194,7 +194,7 @@ def flat_levels(
     if not len(groups):
         return None
     light_of = np.array([plane.light[groups] for plane in planes])
-    letters = np.array(list(cfa) if len(planes) > 1 else ["W"])
+    letters = np.array(list(cfa))
     is_known = np.asarray((predicted[:, groups] > 0).all(axis=0))
     alike = np.equal.outer(letters, letters)
     of_color = alike @ light_of / alike.sum(axis=1, keepdims=True)

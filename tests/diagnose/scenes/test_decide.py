@@ -123,3 +123,11 @@ def test_scenes_that_say_nothing_are_refused(of, change, message):
     ]
     with pytest.raises(ValueError, match=message):
         decided(capture_set, changed)
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_a_group_without_frames_is_refused(group):
+    capture_set, frames = images(Model(SENSOR))
+    others = [frame for frame in frames if frame.capture.group != group]
+    with pytest.raises(ValueError, match=f"no frame is in the group {group}"):
+        decided(capture_set, others)
