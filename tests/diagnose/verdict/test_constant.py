@@ -11,9 +11,7 @@ import pytest
 from cg2raw import Sensor
 from cg2raw.diagnose import darks_and_flats
 from cg2raw.diagnose.darks_and_flats import is_constant
-from cg2raw.diagnose.diagnosis import Estimate, Finding
 from cg2raw.diagnose.pipeline import diagnose
-from cg2raw.diagnose.verdict.profile import mean_of_edge, updated_profile
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
 
@@ -79,43 +77,6 @@ def test_the_profile_has_what_was_found(explained):
     told = found["prnu"]["evidence"]["captures"]
     assert told == sorted(explained.groups["fit"] + explained.groups["select"])
     Sensor.from_json(explained.profile_json, "found")
-
-
-def finding(name, **values):
-    estimates = {n: Estimate(x, "1", (x, x)) for n, x in values.items()}
-    return Finding(name, estimates, 20.0, 1.0, [], [], "", "")
-
-
-def updated(sensor, findings, edge=0.0):
-    """Return {effect: parameters} of a sensor's profile with findings."""
-    profile = json.loads(updated_profile(sensor, findings, [], edge=edge))
-    return {e["name"]: e["parameters"] for e in profile["effects"]}
-
-
-def test_a_black_level_is_beside_the_edge_of_the_first_columns():
-    """The edge falls by e in 20 of 100 columns: the mean of all has 0.2037 of it."""
-    levels = {f"offset_{site}": 0.01 for site in ("00", "01", "10", "11")}
-    edge = finding("bias_structure", edge=0.02, edge_length=20.0)
-    for some, expected in (([], 0.01), ([edge], 0.01 - 0.02 * 0.20366)):
-        findings = [*some, finding("black_level", **levels)]
-        values = updated(SENSOR, findings, mean_of_edge(findings, 100))
-        assert values["black_level"]["offset_01"] == pytest.approx(expected, rel=1e-3)
-
-
-def test_values_are_beyond_the_profile_s_or_the_sensor_s_own():
-    """A fall-off is that of light beyond what the profile has; a spread is measured
-    whole. What was not found stays, and bounds are the registry's."""
-    shading = {"r2": -0.2, "r4": 0.05, "r6": 0.0, "tilt_x": 0.01, "tilt_y": 0.0}
-    shading |= {"tilt_x_r2": 0.0, "tilt_y_r2": 0.0}
-    effects = {"lens_shading": shading, "prnu": {"sigma": 0.01}}
-    listed = [{"name": n, "parameters": values} for n, values in effects.items()]
-    profile = json.loads(SENSOR.to_json()) | {"effects": listed}
-    sensor = Sensor.from_json(json.dumps(profile), "with effects")
-    findings = [finding("lens_shading", r2=-0.1, r4=9.0), finding("prnu", sigma=0.02)]
-    values = updated(sensor, findings)
-    assert values["prnu"] == {"sigma": 0.02}
-    expected = {**shading, "r2": pytest.approx(-0.3), "r4": 8.0}
-    assert {n: values["lens_shading"][n] for n in shading} == expected
 
 
 def test_noise_goes_into_the_noise_table():
