@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from calibration.planted import GAIN, RANGE, READ, frames_of, sensor_of
+from calibration.planted import BLACK, GAIN, RANGE, READ, frames_of, sensor_of
 from cg2raw.calibration import calibrate
 
 EFFECTS = {
@@ -52,11 +52,12 @@ WIDE = {"drift": 4.0, "lamp": 4.0}
 
 
 @cache
-def found(seed):
-    """Return the calibration of the planted sensor's frames."""
-    sensor = sensor_of(EFFECTS)
+def found(seed, black=BLACK):
+    """Return the calibration of the planted sensor's frames. black : DN, of the profile
+    that is calibrated."""
     plan = {"drift": 0.5, "lamp": 0.002, "flat_times": (0.1, 0.3, 0.6, 1.0, 1.5)}
-    return calibrate(sensor, frames_of(sensor, seed, **plan))
+    frames = frames_of(sensor_of(EFFECTS), seed, **plan)
+    return calibrate(sensor_of(EFFECTS, black_level=[black] * 4), frames)
 
 
 @pytest.mark.parametrize("name", TRUTHS)
@@ -66,6 +67,12 @@ def test_a_planted_number_is_found_within_its_error(name):
     assert measured.standard_error > 0
     off = abs(measured.value - truth) / measured.standard_error
     assert off < WIDE.get(name, 3.0), measured
+
+
+@pytest.mark.parametrize("name", ["black level", "dark current", "gain", "lamp"])
+def test_a_black_level_of_the_profile_that_is_off_moves_no_number(name):
+    look, _ = TRUTHS[name]
+    assert look(found(1, 250.0)).value == pytest.approx(look(found(1)).value, rel=1e-6)
 
 
 def test_the_profile_has_what_was_planted_and_nothing_else():

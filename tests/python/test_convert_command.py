@@ -281,6 +281,8 @@ def test_several_inputs_need_a_folder_and_bad_ones_are_named(exr, tmp_path):
     for name, line in zip(("b.exr", "text.exr", "missing.exr"), said, strict=False):
         assert name in line
     assert "No such file" in said[2]
+    done = commands.run("convert", *inputs[:2], "-o", tmp_path / "two", *BASE)
+    assert done.err.splitlines()[-1] == "cg2raw convert: 1 of 2 failed"
     line = commands.fails("convert", *inputs[:2], "-o", exr, *BASE)
     assert "is no folder" in line
     (tmp_path / "again").mkdir()

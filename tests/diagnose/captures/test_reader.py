@@ -97,9 +97,9 @@ def test_whole_numbers_of_a_scene_are_what_linearize_says(tmp_path, word):
 def test_a_gain_multiplies_the_scene(tmp_path):
     np.save(tmp_path / "r.npy", files.picture())
     files.frame(tmp_path, "a.npy", files.picture())
-    line = "{file: a.npy, kind: scene, scene: r.npy, gain: 2.5, illuminant: D65}"
+    line = "{file: a.npy, kind: scene, scene: r.npy, gain: 0.4, illuminant: D65}"
     first = read_captures(files.manifest(tmp_path, [line])).captures[0]
-    np.testing.assert_allclose(first.scene(), 2.5 * files.picture(), rtol=1e-6)
+    np.testing.assert_allclose(first.scene(), 0.4 * files.picture(), rtol=1e-6)
 
 
 @pytest.mark.parametrize("ending", ["exr", "tif"])

@@ -144,6 +144,18 @@ def test_planes_of_sites():
     assert (per_color[2] == per_color[1] + 1).all()
 
 
+def test_squares_of_slope_and_light_are_of_what_a_site_s_filter_passes():
+    """Of a ramp down and across, a slope of each colour: both add to the square."""
+    (frame,) = frames_of(SENSOR, [capture_of()])
+    down, across = np.mgrid[: SHAPE[0], : SHAPE[1]] / 100
+    ramps = np.stack([2 * down, 3 * down + 4 * across, 5 * across])[None]
+    slope, light = replace(frame, camera=ramps, memo={}).squared_slope_and_light
+    for site, color in (((0, 0), 0), ((0, 1), 1), ((1, 0), 1), ((1, 1), 2)):
+        row, col = 20 + site[0], 30 + site[1]
+        assert slope[0, row, col] == pytest.approx((2, 5, 5)[color] ** 2 / 1e4)
+        assert light[0, row, col] == pytest.approx(ramps[0, color, row, col] ** 2)
+
+
 def test_borders_of_a_whole_frame_and_masks_do_not_count():
     mask = np.ones(SHAPE, bool)
     mask[30:34, 40:44] = False

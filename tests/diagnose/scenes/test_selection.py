@@ -97,6 +97,15 @@ def test_a_limit_is_the_strength_that_is_found_half_of_the_time():
     assert 30 <= sum(hits) <= 80
 
 
+def test_a_limit_of_several_parameters_costs_half_a_nat_each():
+    """Columns without noise of their own: the limit is exact."""
+    space = Space.of({"one": 1, "two": 2})
+    gram = Gram(200, 200.0, np.zeros(3), 200 * np.eye(3))
+    found = limits(space, gram, [], ["one", "two"], LEAST)
+    for name, cost in (("one", 0.5), ("two", 1.0)):
+        assert found[name] == pytest.approx(math.sqrt(2 * (LEAST + cost) / 200))
+
+
 def test_what_no_scene_shows_has_no_limit():
     _, validation = pair([0, 0, 0, 0], alike=[(1, (0,))])
     assert limits(SPACE, validation, ["one"], ["two"], LEAST)["two"] is None

@@ -45,8 +45,10 @@ def explained():
 
 
 def test_frames_of_the_profile_are_consistent_with_it():
-    found = diagnose(captures_of())
+    shares = []
+    found = diagnose(captures_of(), progress=lambda _, share: shares.append(share))
     assert (found.verdict, found.effects, found.unexplained) == ("consistent", [], [])
+    assert shares == sorted(shares) and 0 <= shares[0] < shares[-1] <= 1
     assert found.gap.chi2_after == pytest.approx(1, abs=0.02)
     assert found.gap.before == found.gap.after == pytest.approx(0, abs=0.01)
     assert found.profile_json == ""
@@ -63,8 +65,15 @@ def test_what_is_named_closes_the_gap(explained):
 
 
 def test_the_level_of_flats_is_in_the_gap():
-    gap = diagnose(captures_of(exposure=0.05)).gap
-    assert gap.before > 0.01 and abs(gap.after) < 0.2 * gap.before
+    found = diagnose(captures_of(exposure=0.05))
+    assert found.gap.before > 0.01
+    assert abs(found.gap.after) < 0.2 * found.gap.before
+    (chart,) = (chart for chart in found.charts if chart.effect == "exposure")
+    assert len(chart.series) == 4
+    for one in chart.series:  # in percent
+        assert one.before == pytest.approx(0, abs=1e-9) and (np.diff(one.x) > 0).all()
+        assert one.after == pytest.approx(5, abs=0.5)
+        assert one.measured == pytest.approx(one.after, abs=1)
 
 
 def test_the_profile_has_what_was_found(explained):

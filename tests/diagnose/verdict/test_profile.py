@@ -9,6 +9,7 @@ import pytest
 from cg2raw import Sensor
 from cg2raw.diagnose.diagnosis import Estimate, Finding
 from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.nuisances import known_effects
 from cg2raw.diagnose.scenes.predict import predict
 from cg2raw.diagnose.verdict.profile import mean_of_edge, updated_profile
 from diagnose.planted import (
@@ -28,8 +29,9 @@ SENSOR = sensor_of(
 )
 
 
-def finding(name, **values):
-    estimates = {n: Estimate(x, "1", (x, x)) for n, x in values.items()}
+def finding(name, half=0.0, **values):
+    """Return a finding of values, and of intervals that end half beside each."""
+    estimates = {n: Estimate(x, "1", (x - half, x + half)) for n, x in values.items()}
     return Finding(name, estimates, 20.0, 1.0, [], [], "", "")
 
 
@@ -55,6 +57,13 @@ def test_it_predicts_what_the_model_did(name, values):
         expected, written = predict(model, frame), predict(Model(found), again)
         assert written.mean == pytest.approx(expected.mean, abs=1e-6)
         assert written.variance == pytest.approx(expected.variance, rel=1e-4)
+
+
+def test_images_may_correct_values_by_their_errors():
+    """An interval of 95 % ends 1.96 standard errors beside its middle."""
+    found, _ = updated([finding("exposure", 0.0196, gain=0.1)])
+    [(effect, errors)] = known_effects(found).items()
+    assert effect.name == "exposure" and errors == pytest.approx([0.01], rel=1e-3)
 
 
 def test_noise_that_is_drawn_otherwise():

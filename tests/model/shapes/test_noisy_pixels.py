@@ -2,9 +2,12 @@
 # Copyright Contributors to the cg2raw Project.
 """Telegraph noise and heavy tails: planted ones, each by its name alone."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from cg2raw.model.shapes.random_telegraph_noise import NOISY, clumped
 from model.shapes.planted import NOISE, SHAPE, TIMES, darks, normal, shown
 
 LEAST = np.log(33 / 0.01)
@@ -55,6 +58,26 @@ def test_each_has_its_name(noise, names, frames):
 
 def test_noise_that_is_uneven_has_no_tails():
     assert named(uneven, 32)[0] == set()
+
+
+@pytest.mark.parametrize("noise", [0.3, 0.45])
+def test_how_much_noise_of_few_codes_clumps(noise):
+    """Pairs of codes of a million pixels anywhere within a code, that differ by more
+    than four standard deviations of a pair."""
+    rng = np.random.default_rng(6)
+    places = np.repeat((np.arange(32) / 32), 60_000)
+    one, two = (
+        np.rint(places + noise * rng.standard_normal(len(places))) for _ in "ab"
+    )
+    power = float(np.mean((one - two) ** 2)) / 2
+    far = (np.abs(one - two) >= max(np.floor(NOISY * np.sqrt(2 * power)), 1)).reshape(
+        32, -1
+    )
+    shares = far.mean(axis=1)
+    plane = SimpleNamespace(power=np.array([power]))
+    statistics = SimpleNamespace(shortest_darks=lambda _: [0], planes=[plane])
+    found = clumped(SimpleNamespace(statistics=statistics, splits=("a", "b")))
+    assert found == pytest.approx((shares**2).mean() / shares.mean() ** 2, rel=0.1)
 
 
 def test_hot_pixels_are_not_noisy():
