@@ -4,7 +4,7 @@
 
 import numpy as np
 import pytest
-from scipy.stats import truncnorm
+from scipy.stats import norm, truncnorm
 
 from calibration.planted import RANGE, SHAPE, sensor_of
 from cg2raw import _core
@@ -47,6 +47,14 @@ def test_no_hot_pixel_is_a_limit():
     assert not law.has_hot and not law.is_uneven
     assert 3 / 40_000 < law.most_hot < 10 / 40_000
     assert law.hot_words.startswith("not found; below 0.0")
+
+
+def test_quantiles_of_mere_noise_are_those_of_a_normal():
+    """Of 40,000 pixels, 4 are above the last: it is known to a tenth."""
+    quantiles = law_of(rates(0.0, 1.0)).quantiles
+    for share, value in quantiles.items():
+        assert value == pytest.approx(NOISE * norm.ppf(share), rel=0.1)
+    assert len(quantiles) == 4
 
 
 def test_the_limit_of_hot_pixels_grows_with_what_is_seen():

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from cg2raw.model.dark_law import fitted, median_of, with_hot
+from cg2raw.model.dark_law import fitted, median_of, shares_of, slopes_of, with_hot
 from cg2raw.statistics.constant import RATE_EDGES
 
 SAMPLES = 60_000
@@ -35,13 +35,37 @@ def test_planted_numbers(rate, log_sigma, share):
 
 
 @pytest.mark.parametrize(
-    ("rate", "log_sigma"), [(15.0, 0.8), (1.0, 1.0), (0.4, 0.7), (0.0, 1.0)]
+    ("rate", "log_sigma", "known"),
+    [
+        (15.0, 0.8, 0.1),
+        (1.0, 1.0, 0.1),
+        (0.4, 0.7, 0.1),
+        (0.5, 0.5, 0.3),
+        (0.0, 1.0, 0),
+    ],
 )
-def test_median_below_the_mean(rate, log_sigma):
+def test_median_below_the_mean(rate, log_sigma, known):
+    """Of rates that are narrower than noise it is known less well."""
     median, error = median_of(counts_of(rate, log_sigma, 0.002))
     truth = rate * (1 - np.exp(log_sigma**2 / 2))
     assert abs(median - truth) <= 3.5 * error
-    assert error <= 0.1 * abs(truth)
+    assert error <= known * abs(truth)
+
+
+@pytest.mark.parametrize("shot", [0.0, 0.3])
+def test_slopes_are_those_of_the_shares(shot):
+    """Against differences of 1e-4, whose square is 1e-8 of what they are of."""
+    values = np.array([0.1, 2.0, 0.6, 0.01, 30.0])
+    slopes = slopes_of(values, shot, RATE_EDGES)
+    for n, slope in enumerate(slopes):
+        ends = []
+        for sign in (-1, 1):
+            moved = values.copy()
+            moved[n] = (
+                values[0] + sign * 1e-4 if n == 0 else values[n] * np.exp(sign * 1e-4)
+            )
+            ends.append(shares_of(moved, shot))
+        assert slope == pytest.approx((ends[1] - ends[0]) / 2e-4, abs=1e-7)
 
 
 def test_what_is_hot_is_far_from_the_others():

@@ -34,9 +34,26 @@ def darks(rng, warmth, times=TIMES, frames=1, **said):
     return groups
 
 
-def fitted(groups):
+def fitted(groups, side=1):
     readers = [(info, [lambda f=f: f for f in made]) for info, made in groups]
-    return fit(frame_statistics(readers, 1, WHITE))
+    return fit(frame_statistics(readers, side, WHITE))
+
+
+def test_each_site_has_its_level():
+    """Frames whose common level drifts by 20 times the error of a site's mean."""
+    rng = np.random.default_rng(4)
+    sites = np.tile([[0, 3], [5, 9]], (SHAPE[0] // 2, SHAPE[1] // 2))
+    groups = darks(rng, np.ones((2, 6)), (0.0, 60.0), frames=6)
+    shown = [
+        (info, [(frame + sites).astype(np.uint16) for frame in of])
+        for info, of in groups
+    ]
+    found = fitted(shown, side=2)
+    first, _ = found.of("black_level", 0)
+    for site, above in enumerate((0, 3, 5, 9)):
+        value, error = found.of("black_level", site)
+        assert abs(value - BLACK - above) < 3.5 * error < 1.0
+        assert value - first == pytest.approx(above, abs=0.2)
 
 
 def misses(found):

@@ -2,11 +2,14 @@
 # Copyright Contributors to the cg2raw Project.
 """What is left is said, and nothing of noise."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from cg2raw.diagnose.diagnosis import STRUCTURE
 from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.pictures import Canvas
 from cg2raw.diagnose.scenes.point import Excess, point_of
 from cg2raw.diagnose.scenes.residuals import Residuals
 from cg2raw.diagnose.scenes.view import views_of
@@ -71,3 +74,20 @@ def test_what_is_planted_is_said(extra, name):
     assert found.p_value < 1e-6
     assert found.nats_per_pixel > 2e-4
     assert found.where
+
+
+@pytest.mark.parametrize(
+    ("shape", "cfa", "side"),
+    [
+        ((300, 400), "RGGB", 1),
+        ((512, 512), "RGGB", 1),
+        ((1200, 1600), "RGGB", 4),
+        ((1200, 1800), 9 * "RGGB", 6),
+    ],
+)
+def test_a_large_picture_is_of_cells_of_whole_repeats(shape, cfa, side):
+    capture = SimpleNamespace(name="a", kind="scene")
+    tiles = SimpleNamespace(shape=shape)
+    frame = SimpleNamespace(tiles=tiles, capture=capture, neutral=(1, 1, 1))
+    picture = Canvas(frame, cfa).picture()
+    assert picture.measured.shape == (shape[0] // side, shape[1] // side, 3)
