@@ -4,12 +4,15 @@
 
 import json
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from calibration.planted import BLACK, GAIN, RANGE, READ, frames_of, sensor_of
 from cg2raw.calibration import calibrate
+from cg2raw.calibration.flats import light_of
+from cg2raw.calibration.sites import sites_of
 
 EFFECTS = {
     "row_noise": {"sigma": 1.0 / RANGE},
@@ -67,6 +70,29 @@ def test_a_planted_number_is_found_within_its_error(name):
     assert measured.standard_error > 0
     off = abs(measured.value - truth) / measured.standard_error
     assert off < WIDE.get(name, 3.0), measured
+
+
+def test_kurtosis_is_known_by_how_many_samples_there_are():
+    """24 / N is the variance of that of N of a normal, here of the differences of three
+    pairs; that of one frame is twice as large."""
+    known = found(1).tails.excess_kurtosis.standard_error
+    assert known == pytest.approx(2 * np.sqrt(24 / (3 * 192 * 256)), rel=0.05)
+
+
+def test_charge_of_darks_is_taken_off_flats():
+    """Of a time between: an even light is one for all pixels, also for hot ones."""
+    sensor = sensor_of(shape=(32, 48))
+    rate, offset = (np.random.default_rng(n).uniform(0, 50, (32, 48)) for n in (1, 2))
+    seen = SimpleNamespace(
+        sites=sites_of(sensor),
+        mean_over=lambda _: 256 + offset + rate * 3.0 + 4000.0,
+        known=lambda mean: np.ones(mean.shape, bool),
+        time=(0.5, 3.5).__getitem__,
+        shortest=[0],
+    )
+    darks = SimpleNamespace(offset=offset, rate=rate)
+    _, response = light_of(seen, [1], np.full(4, 256.0), darks)
+    assert response == pytest.approx(1, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", ["black level", "dark current", "gain", "lamp"])

@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cg2raw.model.dark_levels import mean_of_decay, unknown_median
+from cg2raw.model.dark_levels import first_columns, mean_of_decay, unknown_median
+from model.test_levels import SHAPE, darks, fitted
 
 
 @pytest.mark.parametrize(
@@ -26,6 +27,19 @@ def test_a_decay_beside_a_ramp(height, length, ramp):
         z.append((mean - decay.mean()) / error)
         assert error < 0.15
     assert np.sqrt(np.mean(np.square(z))) < 1.7
+
+
+def test_first_columns_raise_the_shortest_darks():
+    """Of the mean of four biases, and not of other darks."""
+    rng = np.random.default_rng(6)
+    decay = 30 * np.exp(-np.arange(SHAPE[1]) / 8)
+    groups = darks(rng, np.ones((2, 4)), (0.0, 60.0), frames=4)
+    groups = [
+        (info, [np.rint(frame + decay).astype(np.uint16) for frame in frames])
+        for info, frames in groups
+    ]
+    mean, error = first_columns(fitted(groups))
+    assert abs(mean - decay.mean()) < 3.5 * error < 0.5
 
 
 @pytest.mark.parametrize(("median", "log_sigma"), [(0.3, 0.4), (1.0, 1.0), (0.2, 0.0)])

@@ -99,6 +99,18 @@ def test_a_group_is_what_is_drawn(black, drift, lines, fixed, frames, charged):
         np.testing.assert_allclose(slopes[:, n], by_steps, rtol=1e-2, atol=2e-3)
 
 
+def test_two_frames_have_a_spread_of_response():
+    """The variance of two is half the square of by how much they differ."""
+    about = Offsets(0.04, 0.0, 0.01)
+    each = []
+    for level in (64.1, 64.5):
+        one = recorder_of(np.full(1, level), np.zeros(1), about, 0.1, WHITE, False)
+        each.append(one(about)[0][3])
+    both = np.array([64.1, 64.5])
+    values, _ = recorder_of(both, np.zeros(1), about, 0.1, WHITE, False)(about)
+    assert values[6] == pytest.approx((each[1] - each[0]) ** 2 / 2, rel=0.1)
+
+
 def test_fine_codes_need_no_table():
     about, levels, places = Offsets(4.0, 0.1, 0.1), np.full(1, 200.0), np.zeros(1)
     values, slopes = recorder_of(levels, places, about, 4.0, WHITE, False)(about)

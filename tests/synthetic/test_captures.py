@@ -232,6 +232,33 @@ def test_densities_of_few_levels_add_up_to_one(camera):
         assert total == pytest.approx(1, abs=2e-3)
 
 
+def test_densities_of_many_photons_add_up_to_one_too(camera):
+    """Beyond what is summed one by one; the third term of the saddle point is 1 / 12 of
+    a photon's share, 5e-4 here."""
+    gain, black = camera.dn_per_electron[0, 0], camera.black[0, 0]
+    sigma = np.sqrt(160 + camera.read_noise[0, 0] ** 2)
+    near = black + gain * np.array([160 - 7 * sigma, 160 + 7 * sigma])
+    levels = np.arange(*near.round()).astype(np.uint16)[None]
+    foot, charges = (
+        camera.over(camera.black, levels.shape),
+        np.full(levels.shape, 160.0),
+    )
+    found = log_density(levels, charges, foot, Noise(poisson=True), camera)
+    assert np.exp(found).sum() == pytest.approx(1, abs=1e-4)
+
+
+def test_phase_detection_pixels_are_a_lattice(camera):
+    values = {"loss": 0.2, "period": 8, "row": 2.0, "column": 5.0, "tilt": 0.1}
+    rgb = np.ones((32, 41, 3))
+    plain = charge.mosaic_light(rgb, {}, camera, 0.0)
+    found = charge.mosaic_light(rgb, {"pdaf_pixels": values}, camera, 0.0) / plain
+    assert found[2::8, 5::8] == pytest.approx(
+        np.broadcast_to(0.8 - 0.02 * (np.arange(5, 41, 8) / 20 - 1), (4, 5))
+    )
+    found[2::8, 5::8] = 1
+    assert (found == 1).all()
+
+
 def test_blend_is_undone(camera):
     plane = np.random.default_rng(0).standard_normal((20, 30))
     again = blended(blended(plane, 0.4), 0.4, inverse=True)

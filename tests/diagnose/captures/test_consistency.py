@@ -19,7 +19,7 @@ def bad_sets(folder):
         files.frame(folder, name, frame=ord(name[0]))
     files.frame(folder, "a.dng")
     shutil.copy(folder / "a.npy", folder / "copy.npy")
-    np.save(folder / "small.npy", np.zeros((8, 8), np.uint16))
+    np.save(folder / "small.npy", np.zeros((4, 4), np.uint16))
     np.save(folder / "float.npy", np.zeros((48, 64), np.float32))
     np.save(folder / "small_render.npy", np.zeros((8, 8, 3), np.float32))
     np.save(folder / "two_rows.npy", np.zeros((2, 64), np.uint16))
@@ -40,7 +40,7 @@ def bad_sets(folder):
     for name, size in (("two_rows", "64x2"), ("three_columns", "3x48")):
         words = f":3: frames[0].file {name}.npy is {size}; frames must be at least 4 p"
         yield name, [dark(f"{name}.npy")], [words]
-    yield "size", [a, dark("small.npy")], ["small.npy is 8x8, a.npy 64x48; all frames"]
+    yield "size", [a, dark("small.npy")], ["small.npy is 4x4, a.npy 64x48; all frames"]
     yield (
         "type",
         [dark("float.npy")],
@@ -69,10 +69,10 @@ def bad_sets(folder):
     yield (
         "mask",
         [dark("a.npy", ", mask: small.npy")],
-        ["[0].mask small.npy is 8x8, the"],
+        ["[0].mask small.npy is 4x4, the"],
     )
     top = f"{sensor}\nmask: small.npy"
-    yield "mask of all", [a], ["captures.yaml:2: mask small.npy is 8x8, the"], top
+    yield "mask of all", [a], ["captures.yaml:2: mask small.npy is 4x4, the"], top
     yield "light", [dark("a.npy", ", illuminant: sunny")], ['illuminant is "sunny":']
     yield "ISO", [dark("a.npy", ", iso: 9e6")], ["iso 9e+06, of a.npy:"]
     yield (
