@@ -11,8 +11,10 @@ import pytest
 
 from calibration.planted import BLACK, GAIN, RANGE, READ, frames_of, sensor_of
 from cg2raw.calibration import calibrate
+from cg2raw.calibration.fitting import values_of
 from cg2raw.calibration.flats import light_of
 from cg2raw.calibration.sites import sites_of
+from cg2raw.model.evaluation import Parameters
 
 EFFECTS = {
     "row_noise": {"sigma": 1.0 / RANGE},
@@ -132,6 +134,16 @@ def test_rows_of_noise_that_say_their_shape_keep_it():
     both = np.hypot(READ, 1.0)
     assert np.sqrt(new["beta2"][1]) * RANGE == pytest.approx(both, rel=0.02)
     assert old["tukey_lambda"] == 0.1 and old["iso"] == 400
+
+
+@pytest.mark.parametrize("iso", [100.0, 400.0])
+def test_noise_that_no_dark_shows_is_that_of_the_iso(iso):
+    betas = {"beta1": [1e-4] * 4}
+    noise = [{"iso": n, **betas, "beta2": [n * 1e-9] * 4} for n in (100.0, 400.0)]
+    seen = SimpleNamespace(sensor=sensor_of(noise=noise))
+    found = values_of(seen, np.full(4, 256.0), iso, "", 1, 0)
+    at = Parameters(4).of("read_noise")
+    assert found[at] == pytest.approx(iso * 1e-9 * RANGE**2)
 
 
 @pytest.mark.slow

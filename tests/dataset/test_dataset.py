@@ -4,12 +4,14 @@
 
 import fcntl
 import shutil
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import rawpy
 
 import cg2raw
+from cg2raw.dataset.plan import Plan
 from dataset.data_sets import (
     FILES,
     OPTIONS,
@@ -111,6 +113,12 @@ def test_seed_decides_lights_noise_and_crops(images, tmp_path):
     assert all(a["neutral"] != b["neutral"] for a, b in zip(one, two, strict=True))
     assert [row["crop"] for row in one] != [row["crop"] for row in two]
     assert len({row["illuminant"] for row in one}) == 5  # another for each image
+
+
+def test_crops_lie_in_the_image_and_reach_its_edges():
+    plan = SimpleNamespace(crop=(8, 6), seed=1)
+    crops = {Plan.crop_at(plan, f"{n}", 0, 9, 8) for n in range(200)}
+    assert crops == {(x, y, 8, 6) for x in range(2) for y in range(3)}
 
 
 def test_made_again_nothing_is_made(images, tmp_path):

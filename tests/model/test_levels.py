@@ -74,6 +74,18 @@ def test_what_a_reading_leaves_open_is_in_the_errors():
     assert np.sqrt(np.mean(np.square(z))) < 1.5
 
 
+def test_levels_that_are_off_their_line_are_said():
+    """By what each is off, over the drift of frames, for eight levels on a line."""
+    warmth = 1 + 0.014 * np.random.default_rng(9).standard_normal((len(TIMES), 1))
+    found = fitted(darks(np.random.default_rng(10), warmth))
+    theta, at = found.theta.copy(), found.parameters.of
+    theta[at("black_level")], theta[at("dark_current")] = BLACK, RATE
+    theta[at("black_level_drift")] = DRIFT**2
+    off = RATE * np.array(TIMES) * (warmth[:, 0] - 1) / DRIFT
+    misfit = found.likelihood.levels.line(theta).misfit
+    assert misfit == pytest.approx(np.sqrt((off**2).sum() / 6), rel=0.3)
+
+
 def test_readings_that_are_known_move_the_charge():
     """Frames that are warmer gather more, in a group and between groups: that is no
     drift, and the dark current is that at the temperature of all."""

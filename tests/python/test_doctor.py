@@ -13,6 +13,7 @@ import pytest
 from cg2raw import _core
 from cg2raw.cli import doctor as cli_doctor
 from cg2raw.oiio import hosts
+from cg2raw.oiio.plugin_file import plugin_api_of
 from conftest import OIIOTOOLS
 from python.commands import write_dng
 
@@ -32,6 +33,17 @@ def doctor(*options, **environment):
         text=True,
         capture_output=True,
     )
+
+
+@pytest.mark.parametrize(
+    ("version", "api"),
+    [
+        *(("2.2.9", None), ("2.3.0.1", 25), ("2.5.18", 25), ("2.6.0", 26)),
+        *(("3.0.4", 26), ("3.1.0", 27), ("3.2.2.0", 27), ("3.3.0", None)),
+    ],
+)
+def test_plugin_apis_are_those_of_openimageio_s_oiioversion_h(version, api):
+    assert plugin_api_of(version) == api
 
 
 @pytest.fixture(scope="module")

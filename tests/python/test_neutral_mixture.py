@@ -53,7 +53,11 @@ def test_no_gaussian_is_of_a_few_neutrals():
 
 
 @pytest.mark.parametrize(
-    "neutrals", [[], [[0.5, 0.6]], [[0.5, 0.6]] * 2, [[0.5, 0.6]] * 9]
+    "neutrals",
+    [
+        *([], [[0.5, 0.6]], [[0.5, 0.6]] * 2, [[0.5, 0.6]] * 9),
+        [[0.5, 0.6], [0.5, 0.7], [0.5, 0.8], [0.5, 0.9]],
+    ],
 )
 def test_neutrals_without_spread_have_none(neutrals):
     assert mixture_of(np.array(neutrals).reshape(-1, 2)) == []

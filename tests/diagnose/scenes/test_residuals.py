@@ -91,3 +91,22 @@ def test_a_large_picture_is_of_cells_of_whole_repeats(shape, cfa, side):
     frame = SimpleNamespace(tiles=tiles, capture=capture, neutral=(1, 1, 1))
     picture = Canvas(frame, cfa).picture()
     assert picture.measured.shape == (shape[0] // side, shape[1] // side, 3)
+
+
+def test_tiles_are_mounted_where_they_lie():
+    """Of a ramp that is another at each pixel; demosaicing keeps what was measured."""
+    shape = (320, 480)
+    rows, cols = np.mgrid[: shape[0], : shape[1]]
+    raw = 300 + 20 * rows + 7 * cols
+    capture = capture_of(shape=shape, raw=lambda: raw.astype(np.uint16))
+    (frame,) = frames_of(SENSOR, [capture], 16384)
+    canvas, none = Canvas(frame, SENSOR.cfa), np.zeros(frame.signal.shape)
+    canvas.mount(frame, frame.signal, frame.signal, none, none)
+    shown = canvas.picture().measured
+    seen = np.isfinite(shown[..., 1])
+    assert 0.05 < seen.mean() < 0.9
+    for site, letter in enumerate(SENSOR.cfa):
+        own = seen & (rows % 2 == site // 2) & (cols % 2 == site % 2)
+        expected = (raw - 256) / (16383 - 256)
+        found = shown[..., "RGB".index(letter)]
+        assert found[own] == pytest.approx(expected[own], rel=1e-5)

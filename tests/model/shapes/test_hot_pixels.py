@@ -2,11 +2,15 @@
 # Copyright Contributors to the cg2raw Project.
 """Hot pixels of two splits: planted ones, and what looks like them in one split."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from cg2raw.model.fit import fit
 from cg2raw.model.shapes import shapes
+from cg2raw.model.shapes.base import Shown
+from cg2raw.statistics.constant import DarkRates
 from model.shapes.planted import SHAPE, darks, shown, statistics_of
 
 LEAST = np.log(33 / 0.01)
@@ -49,6 +53,21 @@ def test_law_of_the_others(log_sigma):
     truth = 2.0 * (1 - np.exp(log_sigma**2 / 2)) * (log_sigma > 0)
     assert abs(median - truth) <= 3 * error
     assert error <= 0.25 * abs(truth)
+
+
+def test_a_rate_s_noise_grows_with_its_charge():
+    """Of a slope from one bias of 2 DN noise to the mean of four darks of 10 s, drawn
+    for pixels of 20 times that noise."""
+    read, time, frames, gain = 2.0, 10.0, 4, 0.5
+    noise = read * np.sqrt(1 + 1 / frames) / time
+    rate, rng = 20 * noise, np.random.default_rng(8)
+    levels = gain * rng.poisson(rate * time / gain, (frames, 100_000))
+    levels = levels + read * rng.standard_normal(levels.shape)
+    measured = (levels.mean(axis=0) - read * rng.standard_normal(100_000)) / time
+    rates = DarkRates("", np.zeros(0, int), noise, 1 / time / frames)
+    grown = 1 + 20 * Shown.shot(SimpleNamespace(gain=lambda _: gain), rates)
+    assert measured.var() / noise**2 == pytest.approx(grown, rel=0.02)
+    assert grown > 1.5
 
 
 def test_one_exposure_time_shows_no_rates():
