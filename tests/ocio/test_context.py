@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """cg2raw ocio --context: one space whose sensor and light the environment chooses."""
 
+import os
+
 import numpy as np
 import PyOpenColorIO as ocio
 import pytest
@@ -28,6 +30,7 @@ def path(tmp_path):
     """Return the path of a config of context; its files lie in show_raw."""
     done = run("ocio", *ASKED, "--context", "-o", tmp_path / "show.ocio")
     assert done.code == 0, done.err
+    assert f"wrote     {tmp_path / 'show_raw'}{os.sep}: " in done.out
     return tmp_path / "show.ocio"
 
 

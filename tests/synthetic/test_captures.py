@@ -23,6 +23,7 @@ from python.commands import run
 
 SHAPE = (96, 128)
 SOURCE = Path(synthetic_captures.__file__).parent
+BLENDED = {"noise_reduction": 0.3}
 UNRELATED = ("interrupts", "io.atomic_file", "short_messages")
 ALLOWED = ("cg2raw.synthetic", "cg2raw.diagnose.captures.capture")
 # What the core predicts or draws effects with.
@@ -374,10 +375,11 @@ def test_all_effects_that_can_be_hidden_are_listed():
 
 
 @pytest.mark.parametrize(
-    ("name", "field", "place"), [("prnu", "gain", 0), ("dsnu", "offset", 2)]
+    ("name", "field", "place", "blend"),
+    [("prnu", "gain", 0, {}), ("dsnu", "offset", 2, {}), ("prnu", "gain", 0, BLENDED)],
 )
-def test_what_is_unknown_of_a_pattern_is_stated(sensor, name, field, place):
-    hidden = draw_hidden(sensor, {name: KINDS[name].high}, seed=12)
+def test_what_is_unknown_of_a_pattern_is_stated(sensor, name, field, place, blend):
+    hidden = draw_hidden(sensor, {name: KINDS[name].high, **blend}, seed=12)
     source = synthetic_camera_of(
         simulate_captures(sensor, hidden, seed=12, shape=SHAPE)
     )

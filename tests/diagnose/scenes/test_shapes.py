@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cg2raw.diagnose.effects.catalogue import effect
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.point import Excess, point_of
+from cg2raw.diagnose.scenes.predict import predict
 from cg2raw.diagnose.scenes.shapes import full_well, photons
 from cg2raw.diagnose.scenes.view import views_of
 from diagnose.planted import FULL_WELL, READ, capture_of, drawn, frames_of, sensor_of
@@ -65,3 +67,14 @@ def counted(seed, is_counted):
 def test_photons_that_are_counted():
     assert photons(*counted(1, True)) > 10
     assert photons(*counted(1, False)) < -10
+
+
+def test_photons_gain_what_is_expected_of_them():
+    """Of some 60, within three times the root of twice that."""
+    points, residuals = counted(1, True)
+    seen = [(point.frame, predict(Model(SENSOR), point.frame)) for point in points]
+    expected = effect("poisson_shot_noise").expected_gain(seen)
+    assert photons(points, residuals) == pytest.approx(
+        expected(1.0), abs=3 * np.sqrt(2 * expected(1.0))
+    )
+    assert expected(0.5) == pytest.approx(expected(1.0) / 4)

@@ -26,11 +26,13 @@ def hot(share, seed=5):
     return (rng.random(SHAPE) < share) * rng.exponential(30.0, SHAPE)
 
 
-def test_planted_ones_are_found():
-    """A share and a mean rate within 3.5 standard errors."""
-    shape = found([hot(0.004)] * 2).found["hot_pixels"]
+@pytest.mark.parametrize("seconds", [4.0, 40.0])
+def test_planted_ones_are_found(seconds):
+    """A share and a mean rate within 3.5 standard errors, for charges of any time."""
+    rates = hot(0.004) * 4 / seconds
+    shape = found([rates] * 2, times=(0.0, seconds)).found["hot_pixels"]
     assert shape.nats > 10 * LEAST
-    for figure, planted in zip(shape.figures, (0.004, 30.0), strict=True):
+    for figure, planted in zip(shape.figures, (0.004, 120 / seconds), strict=True):
         assert abs(figure.value - planted) < 3.5 * figure.standard_error, figure
 
 
