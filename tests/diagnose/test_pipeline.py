@@ -141,14 +141,23 @@ def test_an_interrupt_still_reports(monkeypatch, passes):
 
 def test_x_trans_goes_through_with_nothing_hidden():
     """Its noise is not known: that is fitted, and named by nobody."""
-    captures = set_of(x_trans(), shape=(192, 216))
-    found = diagnose(captures, details=True, threads=1)
-    assert (found.verdict, found.effects) == ("consistent", [])
-    unmeasured = CaptureSet(bare(x_trans()), captures.captures)
-    found = diagnose(unmeasured, only=("exposure", "lens_shading"), threads=1)
+    captures = CaptureSet(bare(x_trans()), set_of(x_trans(), shape=(96, 108)).captures)
+    found = diagnose(captures, only=("exposure", "lens_shading"), threads=1)
     assert found.effects == []
     assert any("fitted to the captures" in note for note in found.notes)
     assert Sensor.from_json(found.profile_json, "found").noise
+
+
+@pytest.mark.slow
+def test_frames_without_noise_are_said_to_be():
+    found = diagnose(set_of(bare(SENSOR)), only=("exposure",), threads=1)
+    assert any("noise lies within a code" in note for note in found.notes)
+
+
+@pytest.mark.slow
+def test_x_trans_of_known_noise_is_consistent():
+    found = diagnose(set_of(x_trans(), shape=(192, 216)), details=True, threads=1)
+    assert (found.verdict, found.effects) == ("consistent", [])
 
 
 def test_frames_without_exposure_time_name_no_rates():

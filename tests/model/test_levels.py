@@ -99,6 +99,12 @@ def test_readings_that_are_known_move_the_charge():
     assert error < 1.0
 
 
+def test_frames_without_noise_are_refused():
+    made = [(GroupInfo("dark", (str(n),), n), [np.full(SHAPE, 256, np.uint16)]) for n in range(2)]
+    with pytest.raises(ValueError, match="0: all pixels of a colour are alike"):
+        fitted(made)
+
+
 def test_noise_of_charge_is_known_as_well_as_the_charge():
     """The relative variance of a scatter, 2 over its freedom, is more by that."""
     error, frames, time = 0.1, 3, 300.0

@@ -155,10 +155,15 @@ def darks_and_flats(
     parameters = Parameters(len(whole.planes))
     profile = profile_values(sensor, iso if has_noise else None, parameters)
     well = full_well(whole, GROUPS[:2], profile, has_noise, least)
-    if well is not None:
-        used, more = _below(well, whole, used)
-        notes += more
-        whole = statistics_by_split(used, sensor, tell)
+    rest = _below(well, whole, used) if well is not None else []
+    if well is not None and rest:
+        notes.append(
+            f"{plural(len(used) - len(rest), 'flat')} in which wells are full, at "
+            f"{well.level:.0f} DN above black, are in no other number."
+        )
+        used, whole = rest, statistics_by_split(rest, sensor, tell)
+    else:
+        well = None
     if not any(c.divided for c in used):
         notes += lines_apart(whole, used)
     if not has_noise:
@@ -179,6 +184,12 @@ def darks_and_flats(
     for statistics in splits:
         say("fitting darks and flats", 0.55 + 0.1 * len(fits))
         fits.append(fit(statistics, profile))
+    if not all(one.is_settled for one in fits):
+        raise ValueError(
+            f"{used[0].name}: noise lies within a code, and what codes hide of these "
+            "frames has several explanations; take frames at a gain at which noise is "
+            "half a code or more"
+        )
     together = fit(both, profile)
     say("dropping each name", 0.75)
     white = sensor.white_level - float(np.mean(sensor.black_level))
@@ -267,21 +278,13 @@ def _nats_of_well(well: FullWell, sensor: Sensor, white: float) -> float:
 
 def _below(
     well: FullWell, statistics: ConstantStatistics, captures: Sequence[Capture]
-) -> tuple[list[Capture], list[str]]:
-    """Return the captures in which no well is full, and a note on others. Raises
-    ValueError where a split has none."""
+) -> list[Capture]:
+    """Return the captures in which no well is full; none where a split would have
+    none: then light brings less noise everywhere, and that is no well."""
     full = {name for g in well.groups for name in statistics.groups[g].frames}
     rest = [capture for capture in captures if capture.name not in full]
-    flats = plural(len(full), "flat")
-    if {capture.group for capture in rest} != {capture.group for capture in captures}:
-        raise ValueError(
-            f"{flats}: wells are full at {well.level:.0f} DN above black, and no other "
-            "frames are left to fit, select and report on: add darks or darker flats"
-        )
-    return rest, [
-        f"{flats} in which wells are full, at {well.level:.0f} DN above black, are in "
-        "no other number."
-    ]
+    splits = {capture.group for capture in captures}
+    return rest if {capture.group for capture in rest} == splits else []
 
 
 def lines_apart(

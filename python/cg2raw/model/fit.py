@@ -6,7 +6,7 @@ Variances may come out a little below 0: that is within their errors, and a boun
 would move the others."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,27 +21,34 @@ from cg2raw.statistics.constant import PIXEL, Array, ConstantStatistics
 
 ROUNDS = 60  # of scoring; ten are usual
 HALVINGS = 20  # of a step that does not rise
+NEAR = 100.0  # nats to the top: the likelihood is nearly a parabola
+MEMORY = 10  # steps whose curvature counts, from the first that was too far on
 # Fits with the light and, if codes are coarse, the offsets by the one before.
 AGAIN = 6
 SETTLED = 0.05  # standard errors that nothing moves any more
+UNSETTLED = 3.0  # likewise: of a fit that does not settle
 SAME_LIGHT = 0.05  # relative: flats whose levels differ by less are of one light
 DONE = 1e-5  # nats that a round would gain: 1/200 of a standard error
 # Of a parameter's own information that the others leave: below, it is not known.
 UNKNOWN = 1e-10
 KNOWN = 1e-6  # likewise: far above, all are known
 ALIKE = 2.0  # nats: fits that differ by less explain alike
+LEAST_NOISE = 1e-6  # DN^2, of a frame: far below what rounding makes
 LEAST_FREEDOM = 16  # of pixels, that a variance is taken of: it is known to a third
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Parameters with their covariance; nan where the frames do not show them."""
+    """Parameters with their covariance; nan where the frames do not show them.
+    is_settled : whether what codes hide of noise agrees with the noise that is found;
+    else other values explain the frames as well."""
 
     parameters: Parameters
     theta: Array
     covariance: Array
     value: float
     likelihood: Likelihood
+    is_settled: bool = True
 
     def of(self, name: str, site: int = 0) -> tuple[float, float]:
         """Return (value, standard error); nan, nan where it is not known."""
@@ -67,7 +74,8 @@ def fit(statistics: ConstantStatistics, profile: Array | None = None) -> Fit:
         for name in ("black_level", "read_noise", "gain"):
             theta[at(name) + sites] = profile[at(name) + sites]
         other = _settled(statistics, likelihood, theta, free)
-        if other.value > found.value - ALIKE:
+        is_likelier = other.value > found.value - ALIKE
+        if (is_likelier or not found.is_settled) and other.is_settled:
             return other
     return found
 
@@ -79,16 +87,17 @@ def _settled(
     free: NDArray[np.bool_],
 ) -> Fit:
     """Return the fit from a start, with light and codes as the fit before says."""
-    found = refitted(likelihood, theta, free)
+    found, most = refitted(likelihood, theta, free), 0.0
     for _ in range(AGAIN if likelihood.is_coarse else 1):
         before = found.theta
         likelihood = Likelihood(statistics, before, likelihood)
         found = refitted(likelihood, before, free)
         with np.errstate(invalid="ignore"):
             moved = (found.theta - before) ** 2 / np.diagonal(found.covariance)
-        if not (moved >= SETTLED**2).any():
+        most = float(np.sqrt(np.nanmax(np.append(moved, 0.0))))
+        if most < SETTLED:
             break
-    return found
+    return replace(found, is_settled=not likelihood.is_coarse or most <= UNSETTLED)
 
 
 def check_noise(statistics: ConstantStatistics) -> None:
@@ -113,6 +122,13 @@ def check_noise(statistics: ConstantStatistics) -> None:
             raise ValueError(
                 f"{names[0]}: has the same pixels as its {len(names) - 1} repeats, or "
                 "all of them are clipped: noise is not known; leave them out"
+            )
+        even = np.diagonal(plane.products[PIXEL]) < LEAST_NOISE
+        if (single := even & (statistics.frames == 1)).any():
+            name = statistics.groups[int(np.flatnonzero(single)[0])].frames[0]
+            raise ValueError(
+                f"{name}: all pixels of a colour are alike: it was simulated without "
+                "noise, or is clipped; leave it out"
             )
 
 
@@ -161,9 +177,12 @@ def refitted(
     if not np.isfinite(found.value):
         theta = np.where(free & likelihood.parameters.are_variances, 0.0, theta)
         found = evaluated(theta)
+    seen: list[tuple[Array, Array]] = []
     for _ in range(ROUNDS):
-        step = _step(found, theta, free, bounded)
-        if step @ found.score < 2 * DONE:
+        curvature = _curvature(found.information, seen)
+        step = _step(found.score, curvature, theta, free, bounded)
+        rise = step @ found.score / 2
+        if rise < DONE:
             break
         for halving in range(HALVINGS):
             trial = theta + step / 2**halving
@@ -172,25 +191,43 @@ def refitted(
                 break
         else:
             break
+        if rise < NEAR and (halving or seen):
+            fell = np.where(free, found.score - better.score, 0.0)
+            seen = [*seen, (trial - theta, fell)][-MEMORY:]
         theta, found = trial, better
     _, covariance = _solved(found.score, found.information, free)
     return Fit(likelihood.parameters, theta, covariance, found.value, likelihood)
 
 
+def _curvature(information: Array, seen: Sequence[tuple[Array, Array]]) -> Array:
+    """Return the information with the curvature that was seen along steps: (step, by
+    how much the score fell), oldest first. Where scoring steps too far, as where codes
+    are few, it is larger. Source: J. Nocedal, S. Wright, Numerical Optimization, 2006,
+    equation 6.19 (BFGS)."""
+    found = information.copy()
+    for step, fell in seen:
+        along = found @ step
+        if step @ fell > 0 and step @ along > 0:
+            found += np.outer(fell, fell) / (step @ fell)
+            found -= np.outer(along, along) / (step @ along)
+    return found
+
+
 def _step(
-    found: Evaluation,
+    score: Array,
+    information: Array,
     theta: Array,
     free: NDArray[np.bool_],
     bounded: NDArray[np.bool_],
 ) -> Array:
     """Return the step of scoring that leaves no bounded parameter below 0: those that
     would be go to 0, and the others' step is the best beside theirs."""
-    let = free & ~(bounded & (theta <= 0) & (found.score < 0))
+    let = free & ~(bounded & (theta <= 0) & (score < 0))
     clamped, step = np.zeros_like(let), np.zeros(len(theta))
     while True:
         fixed = np.where(clamped, -theta, 0.0)
-        score = found.score + found.information @ -fixed
-        step = _solved(score, found.information, let & ~clamped)[0] + fixed
+        rest = score + information @ -fixed
+        step = _solved(rest, information, let & ~clamped)[0] + fixed
         below = bounded & let & ~clamped & (theta + step < 0)
         if not below.any():
             return step
