@@ -100,7 +100,10 @@ def test_readings_that_are_known_move_the_charge():
 
 
 def test_frames_without_noise_are_refused():
-    made = [(GroupInfo("dark", (str(n),), n), [np.full(SHAPE, 256, np.uint16)]) for n in range(2)]
+    made = [
+        (GroupInfo("dark", (str(n),), n), [np.full(SHAPE, 256, np.uint16)])
+        for n in range(2)
+    ]
     with pytest.raises(ValueError, match="0: all pixels of a colour are alike"):
         fitted(made)
 

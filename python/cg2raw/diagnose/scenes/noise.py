@@ -34,8 +34,8 @@ def noise_factors(points: Sequence[Point], residuals: Sequence[Array]) -> Array:
         photon.append(np.broadcast_to(light, used.shape)[used])
         rest = point.model.noise_gain("beta2") * frame.beta2
         read.append(np.broadcast_to(rest, used.shape)[used])
-        own = view.within
-        square.append((residual**2 if own is None else own)[used])
+        own = (view.away**2).sum(0) / (view.n - 1) if view.n > 1 else residual**2
+        square.append(own[used])
         freedom.append(np.full(used.sum(), max(view.n - 1, 1)))
     parts = np.array([np.concatenate(photon), np.concatenate(read)])
     squares, weights = np.concatenate(square), np.concatenate(freedom)

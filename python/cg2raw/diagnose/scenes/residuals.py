@@ -69,9 +69,7 @@ class Residuals:
         used = point.root > 0
         self.samples += int(used.sum())
         waves = any(one.name.startswith("flicker") for one in nuisances)
-        for name, sums in _sums(point, left, used):
-            if waves and name == "repeats":
-                continue  # they are new in each frame
+        for name, sums in _sums(point, left, used, waves):
             self._sums.setdefault(name, []).append(sums)
 
     def _add(
@@ -176,9 +174,11 @@ def _hats(x: Array, count: int) -> list[Array]:
 
 
 def _sums(
-    point: Point, z: Array, used: Array
+    point: Point, z: Array, used: Array, waves: bool
 ) -> Iterator[tuple[str, tuple[float, float]]]:
-    """Yield (question, (chi-square, freedom)) of residuals in standard deviations."""
+    """Yield (question, (chi-square, freedom)) of residuals in standard deviations.
+
+    waves : whether rows have light of their own in each frame, as a lamp flickers."""
     frame, light = point.frame, np.maximum(point.base, 0)
     if frame.samples is not None:
         return  # tables share the errors of their chart
@@ -187,15 +187,14 @@ def _sums(
     left = variance_left(point.model)
     single = z / np.sqrt(left)  # of pixels by themselves
     yield "variance by level", _variances(single, used, labels, LEVELS)
-    if point.view.within is not None:
-        yield "repeats", _repeats(point, used)
+    if point.view.n > 1:
+        yield "repeats", _repeats(point, used, waves)
     v, u = frame.tiles.field()[::-1]
     ring = np.minimum((np.hypot(u, v) * RINGS_ASKED).astype(int), RINGS_ASKED - 1)
     yield "variance by radius", _variances(single, used, ring, RINGS_ASKED)
-    known = {offset.name for offset in offsets_of(point)}
-    if "rows" not in known:
+    if "rows" not in _known(point):
         yield "rows", _normal(z.sum(2), used.sum(2))
-    if "columns" not in known:
+    if "columns" not in _known(point):
         yield "columns", _normal(z.sum(1), used.sum(1))
     height, width = (n // BLOCK * BLOCK for n in z.shape[1:])
     inner = [one[:, :height, :width] for one in (z, used)]
@@ -214,6 +213,11 @@ def _sums(
     yield "neighbours", _normal(np.array(products), np.array(counts))
 
 
+def _known(point: Point) -> set[str]:
+    """Return what samples are known to have in common, as of offsets_of."""
+    return {offset.name for offset in offsets_of(point)}
+
+
 def _normal(sums: Array, variances: Array) -> tuple[float, float]:
     enough = variances > FEWEST if variances.max(initial=0) > FEWEST else variances > 0
     return float((sums[enough] ** 2 / variances[enough]).sum()), float(enough.sum())
@@ -227,12 +231,20 @@ def _variances(z: Array, used: Array, labels: Array, count: int) -> tuple[float,
     return _normal(sums / np.sqrt(2), n)
 
 
-def _repeats(point: Point, used: Array) -> tuple[float, float]:
-    within, n = point.view.within, point.view.n
-    assert within is not None
+def _repeats(point: Point, used: Array, waves: bool) -> tuple[float, float]:
+    """By the squares of what frames differ by, without what rows are known to have for
+    themselves in each: offsets, and light where it comes in waves."""
+    n, away = point.view.n, point.view.away
+    of_rows = [np.ones_like(point.base)] if "rows" in _known(point) else []
+    of_rows += [point.base] if waves else []
+    freedom = (n - 1) * used.astype(float)
+    for along in of_rows:
+        along = along * used
+        norm = np.maximum((along**2).sum(2, keepdims=True), 1e-300)
+        away = away - along * (away * along).sum(3, keepdims=True) / norm
+        freedom -= (n - 1) * along**2 / norm
     expected = point.frame_variance * variance_left(point.model)
-    ratio = (within / expected)[used]
-    sums = (n - 1) * (ratio - 1).sum() / np.sqrt(2 * (n - 1))
+    sums = ((away**2).sum(0) / expected - freedom)[used].sum() / np.sqrt(2 * (n - 1))
     return _normal(np.array([sums]), np.array([float(used.sum())]))
 
 

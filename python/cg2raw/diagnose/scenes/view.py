@@ -17,17 +17,21 @@ from cg2raw.diagnose.frames.tiling import Array, Mask
 class View:
     """frame : the first of those that repeat each other. frames : all of them.
 
-    signal : (T, h, w), their mean. within : (T, h, w), the variance of a sample from
-    frame to frame, by n - 1; None of a single frame."""
+    signal : (T, h, w), their mean."""
 
     frame: Frame
     frames: Sequence[Frame]
     signal: Array
-    within: Array | None
 
     @property
     def n(self) -> int:
         return len(self.frames)
+
+    @cached_property
+    def away(self) -> Array:
+        """(n, T, h, w), what each frame has beyond the mean, but for light that is
+        brighter in all of it."""
+        return np.array([_beside(self.signal, frame) for frame in self.frames])
 
     @property
     def is_table(self) -> bool:
@@ -76,16 +80,10 @@ def views_of(frames: Sequence[Frame]) -> list[View]:
 
 
 def _view(frames: Sequence[Frame]) -> View:
-    mean = np.mean([frame.signal for frame in frames], axis=0)
-    if len(frames) < 2:
-        return View(frames[0], frames, mean, None)
-    squares = sum(_beside(mean, frame) ** 2 for frame in frames)
-    return View(frames[0], frames, mean, np.asarray(squares) / (len(frames) - 1))
+    return View(frames[0], frames, np.mean([one.signal for one in frames], axis=0))
 
 
 def _beside(mean: Array, frame: Frame) -> Array:
-    """Return what a frame has beyond the mean, but for light that is brighter in all of
-    it."""
     away = np.where(frame.keep, frame.signal - mean, 0.0)
     lit = np.where(frame.keep, mean, 0.0)
     square = float((lit**2).sum())
