@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from cg2raw import _core
@@ -87,6 +88,11 @@ class Sensor(Fields):
     def profile(self) -> _core.SensorProfile:
         """The profile, as functions of the core take it."""
         return self._profile
+
+    @property
+    def signal_range(self) -> float:
+        """DN from the mean black level to white."""
+        return self.white_level - float(np.mean(self.black_level))
 
     def __reduce__(self) -> Any:
         return (Sensor.from_json, (self.to_json(), self.id))

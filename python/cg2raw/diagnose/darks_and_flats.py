@@ -192,7 +192,7 @@ def darks_and_flats(
         )
     together = fit(both, profile)
     say("dropping each name", 0.75)
-    white = sensor.white_level - float(np.mean(sensor.black_level))
+    white = sensor.signal_range
     hot = listed_parameters(sensor, "hot_pixels")
     of_shapes = shapes(
         whole,
@@ -376,7 +376,7 @@ def levels_of(
     if any(capture.divided for capture in used):
         return None
     sensor = captures.sensor
-    white = sensor.white_level - float(np.mean(sensor.black_level))
+    white = sensor.signal_range
     return flat_levels(
         found,
         predicted_of(used, statistics, sensor, white),

@@ -145,7 +145,7 @@ def _finished(
     sensor = capture_set.sensor
     if found.profile_json:
         sensor = Sensor.from_json(found.profile_json, f"{sensor.id} as found")
-    white = sensor.white_level - float(np.mean(sensor.black_level))
+    white = sensor.signal_range
     isos = {one.iso for one in capture_set.captures}
     rows = [row for row in sensor.noise or () if {row["iso"]} == isos]
     shot = float(np.mean(rows[0]["beta1"])) * white if rows else 0.0

@@ -83,7 +83,7 @@ class StatedShapes:
             return cls()
         side = round(len(statistics.planes) ** 0.5)
         height, width = (side * n for n in statistics.planes[0].shape)
-        white = sensor.white_level - float(np.mean(sensor.black_level))
+        white = sensor.signal_range
 
         def planes(level: float) -> list[Parts]:
             mean, _, _ = _core.predict_blocks(

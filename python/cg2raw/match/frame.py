@@ -136,7 +136,7 @@ def look(
 
 def floor_of(sensor: Sensor) -> float:
     """Return the luminance, white at 1, below which that of a bin is unknown."""
-    return FLOOR_DN / (sensor.white_level - float(np.mean(sensor.black_level)))
+    return FLOOR_DN / sensor.signal_range
 
 
 def neutral_of_all(plane: RawImage, sensor: Sensor) -> tuple[float, float, float]:

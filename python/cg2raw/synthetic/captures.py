@@ -112,7 +112,9 @@ def synthetic_camera_of(
 ) -> SyntheticCamera:
     """Return the camera that draws the frames; arguments as of simulate_captures."""
     if min(shape) < 48 or shape[0] % 2 or shape[1] % 2:
-        raise ValueError(f"shape {tuple(shape)} must be even and at least 48 x 48")
+        raise ValueError(
+            f"size {shape[1]}x{shape[0]} px: both sides must be even, and 48 at least"
+        )
     camera = camera_of(sensor, illuminant, iso)
     if UNEVEN in hidden:
         camera = replace(camera, dark=hidden[UNEVEN]["electrons_per_second"])

@@ -296,7 +296,7 @@ def test_a_fits_file_is_read_as_its_header_says(tmp_path):
     assert "bias.fit: a PEDESTAL of 4 DN is taken off" in found.notes
     sensor = found.sensor
     beta1 = np.mean(sensor.noise_at(100)["beta1"])
-    per_dn = 1 / (beta1 * (sensor.white_level - np.mean(sensor.black_level)))
+    per_dn = 1 / (beta1 * sensor.signal_range)
     assert any(
         f"headers say 2 electrons per DN, the noise of {sensor.id} at ISO 100 "
         f"{per_dn:.3g};" in note

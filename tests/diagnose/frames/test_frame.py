@@ -182,7 +182,7 @@ def test_a_flat_of_unknown_level_takes_its_own(name):
     shape = (72, 108)
     rng = np.random.default_rng(3)
     color = planes_of_sites(sensor.cfa, shape, [0])[1]
-    span = sensor.white_level - np.mean(sensor.black_level)
+    span = sensor.signal_range
     levels = np.array([0.2, 0.4, 0.3])
     dn = levels[color] * span + np.mean(sensor.black_level)
     raw = (dn + rng.normal(0, 5, shape)).astype(np.uint16)

@@ -86,7 +86,7 @@ def test_another_cfa_takes_neighbours_of_one_color():
     color = np.array(["RGB".index(c) for c in sensor.cfa]).reshape(6, 6)
     level = np.array([0.1, 0.5, 0.3])[np.tile(color, (22, 27))]
     rng = np.random.default_rng(3)
-    span = sensor.white_level - np.mean(sensor.black_level)
+    span = sensor.signal_range
     captures = []
     for n in range(4):
         x = level * (0.3 + 0.2 * n)

@@ -18,7 +18,7 @@ from cg2raw.synthetic.sensors import drawn_sensor
 from cg2raw.synthetic.strengths import KINDS
 
 SENSOR = drawn_sensor(5)
-WHITE = SENSOR.white_level - np.mean(SENSOR.black_level)
+WHITE = SENSOR.signal_range
 
 
 def captures_of(seed=3, sensor=SENSOR, changed=lambda capture: capture, **strengths):

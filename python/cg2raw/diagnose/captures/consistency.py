@@ -229,7 +229,7 @@ def gain_notes(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
 
 def dn_per_electron(sensor: Sensor, iso: float) -> float:
     """Return the system gain that a profile's noise states."""
-    span = sensor.white_level - float(np.mean(sensor.black_level))
+    span = sensor.signal_range
     return float(np.mean(sensor.noise_at(iso)["beta1"])) * span
 
 

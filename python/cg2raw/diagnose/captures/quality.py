@@ -146,7 +146,7 @@ def level_complaints(found: Integrity, spread: float, sensor: Sensor) -> list[st
 
 def step_of(sensor: Sensor) -> int:
     """Return the DN from one code to the next that a profile states, else 1."""
-    above_black = sensor.white_level - float(np.mean(sensor.black_level))
+    above_black = sensor.signal_range
     for effect in sensor.effects or ():
         if effect["name"] == "quantisation":
             return max(round(float(effect["parameters"]["step"]) * above_black), 1)

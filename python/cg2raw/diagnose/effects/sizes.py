@@ -23,7 +23,7 @@ def of_white(share: float, sensor: Sensor | None) -> str:
     profile has the noise of one ISO."""
     if sensor is None:
         return f"{share:.3g} of white"
-    span = sensor.white_level - float(np.mean(sensor.black_level))
+    span = sensor.signal_range
     words = f"{share * span:.3g} DN"
     electron = float(np.mean(sensor.noise[0]["beta1"])) if len(sensor.noise) == 1 else 0
     return f"{words} ({share / electron:.3g} e-)" if electron > 0 else words

@@ -127,7 +127,7 @@ def _levels_and_variances(
         return
     part = raw[:height, :width]
     signal = np.asarray(sensor.signal_from_raw(part), float)
-    one_dn = 1 / (sensor.white_level - float(np.mean(sensor.black_level)))
+    one_dn = 1 / sensor.signal_range
     rng = np.random.default_rng(number)
     signal += one_dn * (rng.random(signal.shape) - 0.5)
     a, b, c = signal[:, : -2 * step], signal[:, step:-step], signal[:, 2 * step :]

@@ -213,7 +213,7 @@ def _drift(finding: Finding, found: DarksAndFlats, fits: Sequence[Fit]) -> Chart
     """Return the levels of the shortest darks, frame by frame, and 95 % bands."""
     order = {one.name: n for n, one in enumerate(found.captures.captures)}
     sensor, rows = found.captures.sensor, []
-    white = sensor.white_level - float(np.mean(sensor.black_level))
+    white = sensor.signal_range
     variance = (finding.parameters["sigma"].value * white) ** 2
     for fit in fits:
         statistics, planes = fit.likelihood.means.statistics, fit.likelihood.planes

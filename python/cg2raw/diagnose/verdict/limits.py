@@ -24,7 +24,7 @@ def detection_limits(
     Of a parameter alone, known by a standard error to the frames that decide, a
     strength s gains (s / error)^2 / 2 on average, and half a nat by chance."""
     sensor, selected = found.captures.sensor, found.selection
-    white = sensor.white_level - float(np.mean(sensor.black_level))
+    white = sensor.signal_range
     own = found.of_split(VALIDATION)
     values = effect_values(own, selected.validation, found.profile, white)
     root = np.sqrt(2 * (found.least + 0.5))

@@ -74,7 +74,7 @@ def values_of(found: DarksAndFlats, named: Collection[str]) -> list[Value]:
 def _of_well(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
     if found.well is not None and WELL in named:
         sensor = found.captures.sensor
-        white = sensor.white_level - float(np.mean(sensor.black_level))
+        white = sensor.signal_range
         stated = (listed_parameters(sensor, WELL) or {}).get("below_white", 0.0)
         value = 1 - stated - found.well.level / white
         half = NORMAL * found.well.error / white
@@ -92,7 +92,7 @@ def _withheld(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
     withhold them, since most of a dark is at 0: as the fit has them."""
     told = {one.effect for one in found.values}
     sensor = found.captures.sensor
-    white = sensor.white_level - float(np.mean(sensor.black_level))
+    white = sensor.signal_range
     for name in OF_VARIANCES:
         if name not in named or name in told:
             continue
@@ -186,7 +186,7 @@ def _of_shapes(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
     answers = effects_found(measured, False)
     if "black_level" in wanted:
         sensor, at = measured.sensor, found.both.parameters.of("black_level")
-        white = sensor.white_level - float(np.mean(sensor.black_level))
+        white = sensor.signal_range
         for level in measured.fit.figures:
             if level.name == BLACK and level.site is not None:
                 site = "{}{}".format(*divmod(level.site, measured.sites.side))
