@@ -3,11 +3,10 @@
 
 #include "cg2raw/prediction.h"
 
-#include "digitise.h"
 #include "run_stages.h"
 
 #include <algorithm>
-#include <limits>
+#include <optional>
 
 namespace cg2raw {
 namespace {
@@ -55,7 +54,7 @@ void check_margin(const FrameBlock& block, Size frame, int margin, int reach)
 }
 
 /// The block with no more of its margin than effects reach.
-template <class Block> Block narrowed(Block block, Size frame, int margin, int reach)
+PredictedBlock narrowed(PredictedBlock block, Size frame, int margin, int reach)
 {
     const Size given = size_of(block.camera[0]);
     const Size size { std::min(block.size.width + 2 * reach, given.width),
@@ -79,11 +78,9 @@ void copy_inner(const Plane<float>& from, Site first, const Plane<float>& to)
         std::copy_n(from.row(first.row + row) + first.col, to.width, to.row(row));
 }
 
-/// All stages on a block with its margin. Calls done(band, first pixel of the block in
-/// the band); the band's first plane holds the signal before its noise.
-template <class Done>
-void pass(const Stages& stages, const Exposure& exposure, const FrameBlock& block,
-          int margin, Purpose purpose, const Done& done)
+/// All stages on a block with its margin.
+void predict(const Stages& stages, const Exposure& exposure,
+             const PredictedBlock& block, int margin)
 {
     const Size size = size_of(block.camera[0]);
     const Site origin = first_of_block(block.origin, size, margin, exposure.frame);
@@ -95,39 +92,15 @@ void pass(const Stages& stages, const Exposure& exposure, const FrameBlock& bloc
         for (int row = 0; row < size.height; ++row)
             std::copy_n(block.camera[plane].row(row), size.width,
                         band.camera[plane].row(row));
-    stages.on_camera(band.camera, origin, exposure, purpose);
+    stages.on_camera(band.camera, origin, exposure, Purpose::prediction);
     band.to_mosaic(stages.cfa, origin);
-    // The plane of red is free from here on.
-    stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, exposure, purpose,
-                     &band.camera[0]);
-    done(band, Site { block.origin.row - origin.row, block.origin.col - origin.col });
-}
-
-/// Calls pass_one(block, its margin, exposure with the glare context that the optics
-/// see) for all.
-template <class Block, class PassOne>
-void pass_all(const Stages& stages, const Exposure& given,
-              const std::vector<Block>& blocks, int margin, const ParallelFor& parallel,
-              const PassOne& pass_one)
-{
-    check_needs(stages.active, given);
-    Exposure exposure = given;
-    std::optional<GlareContext> glare_context;
-    if (given.glare_context && stages.needs_glare_context()) {
-        glare_context = *given.glare_context;
-        stages.pass_color(*glare_context, given);
-        exposure.glare_context = &*glare_context;
-    }
-    const int reach = reach_of(stages.active, Stage::color, Stage::processing);
-    for (const Block& block : blocks) {
-        check_inside(block, exposure.frame);
-        check_margin(block, exposure.frame, margin, reach);
-    }
-    const int needed = std::min(margin, reach);
-    parallel(int(blocks.size()), [&](int i) {
-        const Block& block = blocks[std::size_t(i)];
-        pass_one(narrowed(block, exposure.frame, margin, needed), needed, exposure);
-    });
+    // The plane of red is free from here on: it takes the signal before its noise.
+    stages.on_mosaic(band.mosaic, band.variance, band.noise, origin, exposure,
+                     Purpose::prediction, &band.camera[0]);
+    const Site first { block.origin.row - origin.row, block.origin.col - origin.col };
+    copy_inner(band.mosaic, first, block.mean);
+    copy_inner(band.variance, first, block.variance);
+    copy_inner(band.camera[0], first, block.exposed);
 }
 
 } // namespace
@@ -141,40 +114,30 @@ Site first_of_block(Site origin, Size block, int margin, Size frame)
 }
 
 void predict_blocks(const SensorProfile& profile,
-                    const std::vector<NamedValues>& settings, const Exposure& exposure,
+                    const std::vector<NamedValues>& settings, const Exposure& given,
                     const std::vector<PredictedBlock>& blocks, int margin,
                     const ParallelFor& parallel)
 {
     const Stages stages(profile, active_effects(profile, settings));
-    const auto predict
-        = [&](const PredictedBlock& block, int needed, const Exposure& seen) {
-              pass(stages, seen, block, needed, Purpose::prediction,
-                   [&](const Band& band, Site first) {
-                       copy_inner(band.mosaic, first, block.mean);
-                       copy_inner(band.variance, first, block.variance);
-                       copy_inner(band.camera[0], first, block.exposed);
-                   });
-          };
-    pass_all(stages, exposure, blocks, margin, parallel, predict);
-}
-
-void draw_blocks(const SensorProfile& profile, const Run& run, const Exposure& exposure,
-                 const std::vector<DrawnBlock>& blocks, int margin,
-                 const ParallelFor& parallel)
-{
-    Stages stages(profile, run, active_effects(profile, run, noise_of(profile, run)));
-    stages.noise_ceiling = std::numeric_limits<float>::max();
-    const Levels levels = levels_of(profile);
-    const auto draw = [&](const DrawnBlock& block, int needed, const Exposure& seen) {
-        pass(stages, seen, block, needed, Purpose::drawing,
-             [&](const Band& band, Site first) {
-                 for (int row = 0; row < block.size.height; ++row)
-                     digitise(band.mosaic.row(first.row + row) + first.col, levels,
-                              { block.origin.row + row, block.origin.col },
-                              block.size.width, block.dn.row(row));
-             });
-    };
-    pass_all(stages, exposure, blocks, margin, parallel, draw);
+    check_needs(stages.active, given);
+    Exposure exposure = given;
+    std::optional<GlareContext> glare_context;
+    if (given.glare_context && stages.needs_glare_context()) {
+        glare_context = *given.glare_context;
+        stages.pass_color(*glare_context, given);
+        exposure.glare_context = &*glare_context;
+    }
+    const int reach = reach_of(stages.active, Stage::color, Stage::processing);
+    for (const PredictedBlock& block : blocks) {
+        check_inside(block, exposure.frame);
+        check_margin(block, exposure.frame, margin, reach);
+    }
+    const int needed = std::min(margin, reach);
+    parallel(int(blocks.size()), [&](int i) {
+        const PredictedBlock& block = blocks[std::size_t(i)];
+        predict(stages, exposure, narrowed(block, exposure.frame, margin, needed),
+                needed);
+    });
 }
 
 } // namespace cg2raw

@@ -92,21 +92,6 @@ std::vector<FrameBlock> blocks_of(const FloatArray& camera, const OriginArray& o
     return blocks;
 }
 
-/// The plane of a block in an array of all of them, without margins.
-template <class T, int flags>
-Plane<T> plane_of(py::array_t<T, flags>& all, std::size_t i, Size size)
-{
-    const std::ptrdiff_t area = std::ptrdiff_t(size.width) * size.height;
-    return { all.mutable_data() + std::ptrdiff_t(i) * area, size.width, size.height,
-             size.width };
-}
-
-std::vector<py::ssize_t> shape_without_margin(const FloatArray& camera, int margin)
-{
-    const py::ssize_t margins = 2 * py::ssize_t(margin);
-    return { camera.shape(0), camera.shape(2) - margins, camera.shape(3) - margins };
-}
-
 std::tuple<FloatArray, FloatArray, FloatArray>
 predicted(const SensorProfile& profile, const std::vector<NamedValues>& settings,
           const FloatArray& camera, const OriginArray& origins,
@@ -115,13 +100,18 @@ predicted(const SensorProfile& profile, const std::vector<NamedValues>& settings
           const std::optional<GlareContext>& glare_context, int threads)
 {
     check_shapes(camera, origins, margin);
-    const auto shape = shape_without_margin(camera, margin);
+    const py::ssize_t margins = 2 * py::ssize_t(margin);
+    const std::vector<py::ssize_t> shape { camera.shape(0), camera.shape(2) - margins,
+                                           camera.shape(3) - margins };
     std::array<FloatArray, 3> results { FloatArray(shape), FloatArray(shape),
                                         FloatArray(shape) };
     std::vector<PredictedBlock> blocks;
     for (const FrameBlock& block : blocks_of(camera, origins, margin)) {
-        const auto result = [&, i = blocks.size()](std::size_t which) {
-            return plane_of(results[which], i, block.size);
+        const auto [width, height] = block.size;
+        const std::ptrdiff_t first = std::ptrdiff_t(blocks.size()) * width * height;
+        const auto result = [&, width = width, height = height](std::size_t which) {
+            return Plane<float> { results[which].mutable_data() + first, width, height,
+                                  width };
         };
         blocks.push_back({ block, result(0), result(1), result(2) });
     }
@@ -136,28 +126,6 @@ predicted(const SensorProfile& profile, const std::vector<NamedValues>& settings
                        parallel_threads(threads));
     }
     return { results[0], results[1], results[2] };
-}
-
-RawArray drawn(const SensorProfile& profile, const Run& run, const FloatArray& camera,
-               const OriginArray& origins, std::array<int, 2> frame, int margin,
-               const Vec3& neutral, const std::optional<GlareContext>& glare_context,
-               int threads)
-{
-    check_shapes(camera, origins, margin);
-    RawArray dn(shape_without_margin(camera, margin));
-    std::vector<DrawnBlock> blocks;
-    for (const FrameBlock& block : blocks_of(camera, origins, margin))
-        blocks.push_back({ block, plane_of(dn, blocks.size(), block.size) });
-    const Exposure exposure { { frame[1], frame[0] },
-                              profile.cfa,
-                              neutral,
-                              run.exposure_time,
-                              glare_context ? &*glare_context : nullptr };
-    {
-        const py::gil_scoped_release release;
-        draw_blocks(profile, run, exposure, blocks, margin, parallel_threads(threads));
-    }
-    return dn;
 }
 
 } // namespace
@@ -192,13 +160,6 @@ void bind_prediction(py::module_& m)
         "neutral : (3,) camera RGB of white, largest 1.\n"
         "exposure_time : seconds, where an effect needs it.\n"
         "glare_context : of the whole frame, where an effect needs it.");
-    m.def("draw_blocks", &drawn, "profile"_a, "run"_a, "camera"_a, "origins"_a,
-          "frame"_a, "margin"_a, "neutral"_a, "glare_context"_a.none(), "threads"_a = 1,
-          "(blocks, height - 2 margin, width - 2 margin) uint16 DN of blocks of a "
-          "frame, as the same sensor\ntakes them by the effects of its profile and the "
-          "noise of the run's ISO: those of the whole\nframe. Of the run, what makes "
-          "camera RGB of a scene is not looked at.\n\n"
-          "Arguments as those of predict_blocks.");
 }
 
 } // namespace cg2raw::python

@@ -379,17 +379,6 @@ class FrameStatistics:
     ]: ...
     def mean(self, group: int) -> NDArray[np.float32]: ...
 
-def draw_blocks(
-    profile: SensorProfile,
-    run: Run,
-    camera: NDArray[np.float32],
-    origins: NDArray[np.int32],
-    frame: Sequence[int],
-    margin: int,
-    neutral: Sequence[float],
-    glare_context: GlareContext | None,
-    threads: int = 1,
-) -> NDArray[np.uint16]: ...
 def raw_from_signal(
     profile: SensorProfile, signal: NDArray[np.float32]
 ) -> NDArray[np.uint16]: ...

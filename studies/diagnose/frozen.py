@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Frozen suites: files of what each set hides, which every engine has to answer.
+"""Frozen suites: files of what each set hides, which every diagnosis has to answer.
 
 A line of SUITE.csv is one set: its number and seed, what decides it, and what is hidden
 at which strength (unit: synthetic.strengths.KINDS). The parameters that are drawn

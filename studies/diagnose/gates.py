@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 
-"""Gates: a row for each frozen suite, in which no later engine may be worse.
+"""Gates: a row for each frozen suite, in which nothing may get worse.
 
     ./studies/run diagnose gates --json FILE --resume
 
@@ -13,7 +13,7 @@ from studies.diagnose.frozen import decided_by
 from studies.diagnose.scores import HEAD, Record, line
 
 GATES = "gates"
-# Of sets that the first engine has answered.
+# As they were answered first, by a search.
 COUNTS = {
     "single": 40,
     "pairs": 1,

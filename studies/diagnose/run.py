@@ -27,7 +27,6 @@ from cg2raw.interrupts import raised
 from cg2raw.short_messages import Parser
 from cg2raw.system import children_without_ctrl_c
 from studies.diagnose.cameras import cameras, manifest
-from studies.diagnose.engines import ENGINES, Engine
 from studies.diagnose.frozen import SIZES, freeze, frozen
 from studies.diagnose.gates import COUNTS, GATES, OF_REAL_FRAMES
 from studies.diagnose.gates import table as gates_table
@@ -41,22 +40,18 @@ from studies.places import ROOT
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 CAMERAS = "cameras"  # a suite of real frames as they are
 RECORDS = ROOT / "build" / "diagnose.jsonl"
-Limits = dict[str, Any]  # engine, time_limit and pixels, as of run_case
+Limits = dict[str, Any]  # time_limit and pixels, as of diagnose
 
 
-def run_case(
-    case: AnyCase, alpha: float, engine: str = "search", **limits: Any
-) -> dict[str, Any]:
+def run_case(case: AnyCase, alpha: float, **limits: Any) -> dict[str, Any]:
     """Diagnose one case; return its record. What fails is recorded as "error".
 
-    engine : of ENGINES. limits : time_limit and pixels, as of diagnose. Its seconds are
-    the processor's, whatever else that is doing."""
-    diagnose = ENGINES[engine]
+    limits : time_limit and pixels, as of diagnose. Its seconds are the processor's,
+    whatever else that is doing."""
     record: dict[str, Any] = {
         "suite": case.suite,
         "number": case.number,
         "seed": case.seed,
-        "engine": engine,
         "alpha": alpha,
         "hidden": list(case.strengths),
         "strengths": case.strengths,
@@ -66,7 +61,7 @@ def run_case(
         captures, _ = case.captures()
         start = time.process_time()
         given = {key: value for key, value in limits.items() if value is not None}
-        found = diagnose(captures, alpha=alpha, without=case.without, **given)
+        found = _diagnosed(captures, alpha, without=case.without, **given)
         record["seconds"] = time.process_time() - start
     except Exception as error:  # one bad case must not end a night's bench
         record["error"] = f"{type(error).__name__}: {error}"
@@ -78,8 +73,14 @@ def run_case(
     if missed and not case.without and case.suite != "unknown":
         record["evidence"] = case.evidence(missed)
     if case.suite == "closed-loop":
-        record.update(_again(captures, found, alpha, diagnose))
+        record.update(_again(captures, found, alpha))
     return record
+
+
+def _diagnosed(captures: CaptureSet, alpha: float, **options: Any) -> Diagnosis:
+    from cg2raw.diagnose import diagnose
+
+    return diagnose(captures, alpha=alpha, threads=1, details=False, **options)
 
 
 def nats_needed(alpha: float) -> float:
@@ -89,15 +90,13 @@ def nats_needed(alpha: float) -> float:
     return math.log(len(names()) / alpha)
 
 
-def _again(
-    captures: CaptureSet, found: Diagnosis, alpha: float, diagnose: Engine
-) -> dict[str, Any]:
+def _again(captures: CaptureSet, found: Diagnosis, alpha: float) -> dict[str, Any]:
     """Diagnose frames of the found profile by that profile: there must be no gap."""
     from cg2raw import Sensor
     from diagnose.closed_loop import simulated
 
     sensor = Sensor.from_json(found.profile_json)
-    second = diagnose(simulated(captures, sensor), alpha=alpha)
+    second = _diagnosed(simulated(captures, sensor), alpha)
     return {
         "again_verdict": second.verdict,
         "again_named": [one.name for one in second.effects],
@@ -130,9 +129,9 @@ def records_of(
 
 
 def done_before(
-    path: Path | None, wanted: Sequence[AnyCase], alpha: float, engine: str = "search"
+    path: Path | None, wanted: Sequence[AnyCase], alpha: float
 ) -> list[dict[str, Any]]:
-    """Return an engine's records in a file that are of these cases and did not fail."""
+    """Return the records in a file that are of these cases and did not fail."""
     if path is None or not path.exists():
         return []
     keys = {(case.suite, case.number, case.seed): case for case in wanted}
@@ -144,7 +143,7 @@ def done_before(
             continue  # the line that an interruption cut
         key = (one["suite"], one["number"], one["seed"])
         case = keys.get(key) if "error" not in one else None
-        ours = (one["engine"], one["alpha"]) == (engine, alpha)
+        ours = one["alpha"] == alpha
         if case and ours and one.get("strengths") == case.strengths:
             kept[key] = one
     return list(kept.values())
@@ -171,7 +170,7 @@ def bench(
     data : folder of real frames, of cameras. path : JSON lines, appended as cases
     end. limits : as of run_case; a time limit makes results depend on the machine."""
     wanted = _wanted(suite, seed, count, effects, captures, data)
-    records = done_before(path, wanted, alpha, (limits or {}).get("engine", "search"))
+    records = done_before(path, wanted, alpha)
     numbers = {one["number"] for one in records}
     left = [case for case in wanted if case.number not in numbers]
     for one in records_of(left, alpha, jobs, limits):
@@ -235,7 +234,6 @@ def _check_new(path: Path | None, suite: str) -> None:
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = Parser(prog="studies/run diagnose", description=__doc__.splitlines()[0])
     parser.add_argument("suite", choices=[*SUITES, CAMERAS, GATES], nargs="?")
-    parser.add_argument("--engine", choices=ENGINES, default="search")
     parser.add_argument("--count", type=int, help="of sets; with --seed, per effect")
     parser.add_argument("--seed", type=int, help="draws sets that are not the frozen")
     parser.add_argument("--freeze", action="store_true", help="write the frozen sets")
@@ -285,7 +283,6 @@ def _records(
         captures=given.captures,
         data=given.data,
         limits={
-            "engine": given.engine,
             "pixels": given.pixels,
             "time_limit": given.time_limit,
         },

@@ -102,32 +102,6 @@ def test_blocks_with_halos_are_the_frame_in_one_piece():
         np.testing.assert_array_equal(of_part[0], of_whole[0][inner])
 
 
-def test_drawn_blocks_are_those_of_the_simulated_frame():
-    """The whole frame, and a part that ends inside."""
-    sensor, image = sensor_with(LISTED), scene(300, 530)
-    camera = np.ascontiguousarray(np.moveaxis(image, -1, 0))[None]
-    neutral = sensor.illuminant("D65").neutral
-    expected = sensor.simulate(image, **run_of(seed=3, frame=2))
-    run = _core.Run(
-        "", None, None, 3, 2, 1.0, "dng", True, True, True, None, exposure_time=SECONDS
-    )
-    context = _core.glare_context(image)
-    margin, rows, cols, row, col = 20, 120, 150, 91, 213
-    part = np.ascontiguousarray(camera[..., row : row + rows, col : col + cols])
-    inner = np.s_[
-        row + margin : row + rows - margin, col + margin : col + cols - margin
-    ]
-    for blocks, origin, around, place in (
-        (camera, (0, 0), 0, np.s_[:, :]),
-        (part, (row + margin, col + margin), margin, inner),
-    ):
-        (got,) = _core.draw_blocks(
-            sensor.profile, run, blocks, np.array([origin], np.int32), (300, 530),
-            around, neutral, context,
-        )  # fmt: skip
-        np.testing.assert_array_equal(got, expected[place])
-
-
 @pytest.mark.parametrize("row", [0, 5, 100, 215, 220])
 @pytest.mark.parametrize("col", [0, 19, 200, 420])
 def test_blocks_at_the_frames_ends_are_those_of_the_whole_frame(row, col):

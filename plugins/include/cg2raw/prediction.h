@@ -2,14 +2,14 @@
 // Copyright Contributors to the cg2raw Project.
 
 /// @file What effects are predicted to do to blocks of a frame, without a scene: for
-/// fits, which ask it thousands of times; and the same drawn, as captures would be.
+/// fits, which ask it thousands of times.
 #pragma once
 
 #include "cg2raw/effect.h"
 #include "cg2raw/parallel.h"
 #include "cg2raw/run.h"
 
-#include <cstdint>
+#include <array>
 
 namespace cg2raw {
 
@@ -27,11 +27,6 @@ struct FrameBlock {
 /// before its noise.
 struct PredictedBlock : FrameBlock {
     Plane<float> mean, variance, exposed;
-};
-
-/// Where the DN of a block go.
-struct DrawnBlock : FrameBlock {
-    Plane<std::uint16_t> dn;
 };
 
 /// First pixel of the camera RGB of a block whose first pixel is @p origin.
@@ -53,12 +48,5 @@ void predict_blocks(const SensorProfile& profile,
                     const std::vector<NamedValues>& settings, const Exposure& exposure,
                     const std::vector<PredictedBlock>& blocks, int margin,
                     const ParallelFor& parallel);
-
-/// Draws every block as the same sensor takes it, by the effects of its profile and the
-/// noise of the run's ISO: pixels are those of the whole frame. Of the run, what makes
-/// camera RGB of a scene is not looked at; the exposure's time is that of the run.
-void draw_blocks(const SensorProfile& profile, const Run& run, const Exposure& exposure,
-                 const std::vector<DrawnBlock>& blocks, int margin,
-                 const ParallelFor& parallel);
 
 } // namespace cg2raw

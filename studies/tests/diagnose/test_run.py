@@ -128,31 +128,13 @@ def test_command_prints_the_table(tmp_path, monkeypatch, capsys):
     assert len(path.read_text().splitlines()) == 2
 
 
-def test_each_engine_has_records_of_its_own(tmp_path, monkeypatch):
-    asked = []
-
-    def other(captures, **options):
-        asked.append(options)
-        return verdict_of([], "consistent", 0.0, 0.0)
-
-    monkeypatch.setitem(
-        command.ENGINES, "search", lambda *_, **__: verdict_of(["dsnu"])
-    )
-    monkeypatch.setitem(command.ENGINES, "other", other)
-    wanted = {"count": 1, "path": tmp_path / "records.jsonl"}
-    for engine in ("search", "other", "other"):
-        [one] = bench("none", **wanted, limits={"engine": engine})
-        assert (one["engine"], one["exact"]) == (engine, engine == "other")
-    assert asked == [{"alpha": 0.01, "without": ()}]
-
-
 def test_gates_are_a_row_of_each_suite(tmp_path, monkeypatch, capsys):
     monkeypatch.delenv(VARIABLE, raising=False)
     monkeypatch.setattr(Case, "evidence", lambda *_: {})
     suites = {*frozen.SIZES, *gates.OF_REAL_FRAMES}
     monkeypatch.setattr(command, "COUNTS", dict.fromkeys(sorted(suites), 1))
-    monkeypatch.setitem(
-        command.ENGINES, "search", lambda *_, **__: verdict_of(["blur"])
+    monkeypatch.setattr(
+        cg2raw.diagnose, "diagnose", lambda *_, **__: verdict_of(["blur"])
     )
     argv = ["gates", "--count", "4", "--jobs", "1", "--quiet"]
     assert command.main([*argv, "--json", str(tmp_path / "records.jsonl")]) == 0
