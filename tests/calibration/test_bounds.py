@@ -2,12 +2,16 @@
 # Copyright Contributors to the cg2raw Project.
 """A search that ends at its bound gives a limit, and no number with an error."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.stats import norm, truncnorm
 
 from calibration.planted import RANGE, SHAPE, sensor_of
 from cg2raw import _core
+from cg2raw.calibration import report
+from cg2raw.calibration.calibrate import check_groups
 from cg2raw.calibration.calibration import (
     Calibration,
     bounds_passed,
@@ -92,6 +96,27 @@ def found_with(**fields):
     line = DarkCurrent(((None, Measured(1.0, 0.1, "DN/s")),), None, ())
     known = {"sensor": sensor_of(), "shape": SHAPE, "iso": None, "frames": (4, 0)}
     return Calibration(**known, sites=Sites(("",)), **{"dark": line, **fields})
+
+
+def test_set_points_have_marks_of_their_own(monkeypatch):
+    drawn = []
+    monkeypatch.setattr(report, "lines", lambda _, marks, *more: drawn.extend(marks))
+    rates = tuple((t, Measured(1.0, 0.1, "DN/s")) for t in (-10.0, 0.0, 10.0))
+    points = tuple((60.0, 60.0 + n, n) for n in range(3))
+    report.dark_current(found_with(dark=DarkCurrent(rates, None, points)))
+    dots = [mark for mark in drawn if mark.style == "dots"]
+    assert [mark.label for mark in dots] == ["-10.0 C", "0.0 C", "10.0 C"]
+    assert len({mark.shape for mark in dots}) == 3
+
+
+def test_frames_that_are_all_saturated_are_said_by_the_first():
+    items = [
+        SimpleNamespace(saturated=s, frame=SimpleNamespace(name=n))
+        for n, s in (("a", 1.0), ("b", 0.99))
+    ]
+    group = SimpleNamespace(kind="flat", frames=items)
+    with pytest.raises(ValueError, match="^a: 100% of its pixels are saturated"):
+        check_groups([group])
 
 
 def test_a_glow_as_wide_as_the_field_is_a_limit():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cg2raw.match import Levels, shift_between, shift_of
-from cg2raw.match.shift import any_shape, normal, shape_of
+from cg2raw.match.shift import any_shape, normal, shape_of, shrunk
 
 NONE = np.empty(0)
 
@@ -42,6 +42,14 @@ def test_the_shape_of_the_scenes_does_not_matter(scenes):
     ]
     found = [(one.median, one.spread) for one in found]
     assert np.mean(found, axis=0) == pytest.approx([1.5, 0.7], abs=0.06)
+
+
+def test_a_kernel_adds_no_variance():
+    levels = np.random.default_rng(3).gamma(2, 1.5, 40)
+    scenes, width = shrunk(levels)
+    assert 0 < width < levels.std()
+    assert scenes.var() + width**2 == pytest.approx(levels.var())
+    assert scenes.mean() == pytest.approx(levels.mean())
 
 
 def test_other_scenes_are_no_spread():

@@ -12,13 +12,13 @@ import pytest
 
 import cg2raw
 from cg2raw.synthetic import captures as synthetic_captures
-from cg2raw.synthetic import charge, conditions, light
+from cg2raw.synthetic import charge, conditions, light, scenes
 from cg2raw.synthetic.camera import camera_of
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.density import log_density
 from cg2raw.synthetic.readout import Noise, blended, read_out
 from cg2raw.synthetic.sensors import ISO, drawn_sensor
-from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
+from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS, _glow
 from python.commands import run
 
 SHAPE = (96, 128)
@@ -265,6 +265,37 @@ def test_blend_is_undone(camera):
     again = blended(blended(plane, 0.4), 0.4, inverse=True)
     np.testing.assert_allclose(again, plane, atol=1e-12)
     assert blended(np.ones((20, 30)), 0.4) == pytest.approx(1)
+
+
+def test_a_chart_fits_into_a_narrow_picture_and_leaves_gaps():
+    """24 patches of 2 x 2 pixels, in squares of three: 18 columns of 21."""
+    for seed in range(20):
+        image = np.full((30, 21, 3), np.nan)
+        scenes.chart(np.random.default_rng(seed), image)
+        assert np.isfinite(image[..., 0]).sum() == 24 * 4
+
+
+def test_a_glow_is_also_in_corners():
+    rng = np.random.default_rng(2)
+    drawn = [_glow(rng, 1.0, None) for _ in range(200)]
+    places = {(one["down"], one["across"]) for one in drawn}
+    assert {(0, 0), (0, 1), (1, 0), (1, 1)} <= places
+
+
+def test_a_pattern_moves_no_mean(camera):
+    """Within four standard errors of 160,000 pixels."""
+    strong = {"prnu": {"sigma": 0.2}, "dsnu": {"read_noises": 1.0, "shape": 2.0}}
+    drawn = charge.patterns(np.random.default_rng(1), (400, 400), strong, camera)
+    for values in (drawn.gain, drawn.offset):
+        assert abs(values.mean()) < 4 * values.std() / 400
+
+
+def test_what_is_moved_stands_beside():
+    """Of a ramp, that cubic splines keep but for its mirrored edges."""
+    field = light.Field((40, 50), 10)
+    ramp = 200 + 2 * field.x + 3 * field.y
+    moved = field.moved(ramp, np.full(ramp.shape, 1.5), np.full(ramp.shape, -0.5))
+    assert moved[field.inner] == pytest.approx(ramp[field.inner] + 1.5, abs=1e-4)
 
 
 def test_fall_off_is_the_fourth_power_of_the_cosine():
