@@ -40,6 +40,10 @@ STUDIES = (
     "isp_unet",
     "content",
 )
+BY_LIGHT = (
+    "Mean error by the colour temperature of the main light and under LED lamps, a "
+    "line a source, with standard errors"
+)
 FIGURES = {  # what a reader without pictures is told, by section
     "scenes": "Scenes as the camera sees them, developed, and as a renderer has them; "
     "the first two rows by day, the others by night",
@@ -47,9 +51,8 @@ FIGURES = {  # what a reader without pictures is told, by section
     "error, a dotted line where other frames of the camera are",
     "translation": "Distance of translated renders from captures of the camera during "
     "training, of each translator; dotted that of the camera's own training frames",
-    "illuminant": "Share of test frames below each angular error, one line a source",
-    "light": "Mean error by the colour temperature of the main light and under LED "
-    "lamps, a line a source, with standard errors; hollow: no LEDs in training",
+    "illuminant": BY_LIGHT,
+    "light": f"{BY_LIGHT}; hollow: no LEDs in training",
     "night": "Test frames at ISO 1600, to the left, and 3200: the goal, what is not "
     "denoised, and what is denoised and developed as each source teaches",
     "isp": "The goal, the input, and pictures by neural ISPs; below them how far each "

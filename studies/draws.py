@@ -77,8 +77,10 @@ def by_day(
 
 
 LEARNED = {
-    "illuminant": by_day(illuminant.illuminant_draw, sources, translated=True),
-    "longer": by_day(illuminant.longer_draw, few),
+    "illuminant": replace(
+        by_day(illuminant.illuminant_draw, sources, translated=True),
+        more_tests=illuminant.tests_by_light,
+    ),
     "light_draws": replace(
         by_day(illuminant.light_draws_draw, few), more_tests=illuminant.tests_by_light
     ),

@@ -60,7 +60,7 @@ def run_colour(world: World, camera: Camera, mode: str) -> Any:
 
 MEASURED: dict[str, Study] = {"classical": run_classical, "colour": run_colour}
 STUDIES = (*MEASURED, *LEARNED)
-HOURS = ("longer", "light_draws", "held_out_leds", "denoising_unet", "isp_unet")
+HOURS = ("light_draws", "held_out_leds", "denoising_unet", "isp_unet")
 PHOTOGRAPHS = "photographs"
 NEED_TORCH = ("illuminant", *HOURS)
 

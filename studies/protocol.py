@@ -129,13 +129,26 @@ class SeedRules:
 
 
 @dataclass(frozen=True)
-class IlluminantRules:
-    """Study 1."""
+class LearntRules:
+    """How much there is of a study of what is learnt."""
 
     cameras: dict[str, list[str]]
+    draws: dict[str, int]
+
+
+@dataclass(frozen=True)
+class ChosenRules(LearntRules):
+    """The same, with the sources that the study has of all."""
+
+    sources: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class IlluminantRules(LearntRules):
+    """Study 1."""
+
     frames: dict[str, int]
     tests: dict[str, int]
-    draws: dict[str, int]
     epochs: dict[str, int]
     first: int
     block: int
@@ -145,41 +158,11 @@ class IlluminantRules:
 
 
 @dataclass(frozen=True)
-class LongerRules:
-    """Whether study 1's training is long enough."""
-
-    cameras: dict[str, list[str]]
-    draws: dict[str, int]
-    times: int
-    sources: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class LightDrawsRules:
-    """What the drawing of lights is worth; asked after study 1 had been seen."""
-
-    cameras: dict[str, list[str]]
-    draws: dict[str, int]
-    sources: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class HeldOutLedsRules:
-    """Training without LEDs, tests with them."""
-
-    cameras: dict[str, list[str]]
-    draws: dict[str, int]
-    sources: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class DenoisingRules:
+class DenoisingRules(LearntRules):
     """Study 2."""
 
-    cameras: dict[str, list[str]]
     frames: dict[str, int]
     tests: dict[str, int]
-    draws: dict[str, int]
     first: int
     noise_of: str
     isos: tuple[float, ...]
@@ -194,33 +177,18 @@ class DenoisingRules:
 
 
 @dataclass(frozen=True)
-class FilesRules:
-    """Study 2 of DNGs that the plugin wrote."""
-
-    cameras: dict[str, list[str]]
-    draws: dict[str, int]
-    sources: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class PhotographsRules:
+class PhotographsRules(ChosenRules):
     """Study 2 on photographs."""
 
-    cameras: dict[str, list[str]]
-    draws: dict[str, int]
-    sources: tuple[str, ...]
     bin: int
     size: int
     crops: int
 
 
 @dataclass(frozen=True)
-class UnetRules:
+class UnetRules(ChosenRules):
     """A U-net, and what is learnt by it."""
 
-    cameras: dict[str, list[str]]
-    draws: dict[str, int]
-    sources: tuple[str, ...]
     width: int
     levels: int
     size: int
@@ -239,32 +207,17 @@ class DenoisingUnetRules(UnetRules):
 
 
 @dataclass(frozen=True)
-class IspUnetRules(UnetRules):
-    """The other learner of study 3."""
-
-
-@dataclass(frozen=True)
-class IspRules:
+class IspRules(LearntRules):
     """Study 3."""
 
-    cameras: dict[str, list[str]]
     frames: dict[str, int]
     tests: dict[str, int]
-    draws: dict[str, int]
     first: int
     step: int
     validation: float
     samples: dict[str, int]
     features: int
     ridges: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class ContentRules:
-    """What the frames of sources show; how many there are is as in study 3."""
-
-    cameras: dict[str, list[str]]
-    draws: dict[str, int]
 
 
 @dataclass(frozen=True)
@@ -303,16 +256,15 @@ class Protocol:
     training: TrainingRules
     seeds: SeedRules
     illuminant: IlluminantRules
-    longer: LongerRules
-    light_draws: LightDrawsRules
-    held_out_leds: HeldOutLedsRules
+    light_draws: ChosenRules
+    held_out_leds: ChosenRules
     denoising: DenoisingRules
-    files: FilesRules
+    files: ChosenRules
     photographs: PhotographsRules
     denoising_unet: DenoisingUnetRules
     isp: IspRules
-    isp_unet: IspUnetRules
-    content: ContentRules
+    isp_unet: UnetRules
+    content: LearntRules
     translation: TranslationRules
 
 

@@ -3,7 +3,6 @@
 """Tables of study 1: errors of each source, and which differences are sure."""
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations
 
 import numpy as np
 
@@ -15,10 +14,9 @@ from studies.tables_paired import (
     REAL,
     error_rows,
     extent,
-    of_errors,
 )
 from studies.tasks.angles import Summary
-from studies.tasks.paired import BEATS, Kept, difference, means, share_left
+from studies.tasks.paired import BEATS, Kept, means, share_left
 
 Errors = Mapping[str, Kept]  # source: of (seeds, frames), degrees
 OTHERS = ("ours, paper", "ours, spectral", OWN)  # ours is compared with each
@@ -41,7 +39,8 @@ def illuminant_tables(
         "Degrees: mean +- sd over seeds; median; mean of the best and of the worst "
         f"quarter.\n\n{table(['trained on', *found], rows)}\n\n"
         "Paired differences, degrees (SE over seeds and frames); beats: by more than "
-        f"{BEATS:g} SE.\n\n" + "\n\n".join(sure(found, own) for own in compared)
+        f"{BEATS:g} SE.\n\n"
+        + "\n\n".join(sure(found, own) for own in compared if own in first)
     )
 
 
@@ -83,7 +82,7 @@ def light_tables(
 
     Both : {lights: {camera: errors}}, of training with LEDs and without."""
     lights = list(with_leds)
-    cameras = next(iter(with_leds.values()))
+    cameras = dict.fromkeys(name for of in with_leds.values() for name in of)
     parts = [
         "#### By the light\n\nMean degrees of test frames by the colour temperature of "
         "their main light, and of frames under LEDs alone; *no LEDs*: none in training."
@@ -94,7 +93,7 @@ def light_tables(
             entries = [found.get(of, {}).get(camera, {}) for of in lights]
             rows += [
                 [source + said, *(mean_degrees(entry, source) for entry in entries)]
-                for source in entries[-1]
+                for source in dict.fromkeys(s for entry in entries for s in entry)
             ]
         parts.append(table([camera, *lights], rows))
     return "\n\n".join(parts)
@@ -103,27 +102,3 @@ def light_tables(
 def mean_degrees(entry: Errors, source: str) -> str:
     """Return a source's mean error in one cell; none without frames of such lights."""
     return f"{means(entry[source])[0].mean():.2f}" if source in entry else ""
-
-
-def longer_tables(
-    illuminant: Mapping[str, Errors], longer: Mapping[str, Errors]
-) -> str:
-    """Return how differences of sources change if training is longer.
-
-    Both : {camera: errors}."""
-    cameras = [camera for camera in longer if camera in illuminant]
-    rows = []
-    sources = list(longer[cameras[0]])
-    for other, one in combinations(sources, 2):
-        cells = []
-        for camera in cameras:
-            before, after = (
-                difference(e[camera][one], e[camera][other])
-                for e in (illuminant, longer)
-            )
-            cells.append(f"{of_errors(before)}; {of_errors(after)}")
-        rows.append([f"{one} - {other}", *cells])
-    return (
-        "Is training long enough? Differences as above, then those after longer "
-        f"training.\n\n{table(['difference', *cameras], rows)}"
-    )

@@ -2,18 +2,14 @@
 # Copyright Contributors to the cg2raw Project.
 """All tables of the summaries of results, study by study."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
 from studies.summaries import Summaries, draws_in
 from studies.tables import classical_tables, colour_tables
 from studies.tables_content import content_tables
-from studies.tables_illuminant import (
-    illuminant_tables,
-    light_tables,
-    longer_tables,
-)
+from studies.tables_illuminant import illuminant_tables, light_tables
 from studies.tables_night import night_tables
 from studies.tables_paired import REAL
 from studies.tasks.content import TESTS
@@ -22,12 +18,18 @@ from studies.world.shots import KINDS
 
 ByLight = dict[str, dict[str, Any]]  # lights: camera: errors
 LIGHTS = (*BY_KELVIN, LEDS)
-DRAWN = ("ours, measured lights", "ours, mixture of lights")
+ILLUMINANT = {  # study: its title, and the sources that it compares with others
+    "illuminant": ("Illuminant", ("ours, dng", "ours, measured lights")),
+    "light_draws": (
+        "How lights are drawn",
+        ("ours, measured lights", "ours, mixture of lights"),
+    ),
+}
 FAMILIES = (TESTS, "real", "ours", "upi", "no matrix", "translation")
+HELD_OUT = {"light_draws": "held_out_leds"}  # the same, trained without LEDs
 SHARED = ("core", "packages", "seeds", "world", "lights")  # by entries of one table
 SETTINGS = ("frames", "epochs", "samples", "features", "steps", "width")
 TABLES_OF: dict[str, Callable[[Any], str]] = {
-    "illuminant": illuminant_tables,
     "denoising": partial(night_tables, title="Denoising"),
     "files": partial(night_tables, title="Denoising, the full path by files"),
     "photographs": partial(
@@ -49,6 +51,14 @@ def tables_by_study(results: Summaries, within: float) -> dict[str, str]:
         found["classical"] = classical_tables(classical, within)
     if colour := of_study(results, "colour"):
         found["colour"] = both_kinds(colour)
+    for study, (title, compared) in ILLUMINANT.items():
+        if errors := ready(results, study):
+            tables = illuminant_tables(errors, compared, title)
+            parts = [titled(tables, "", results[study]["made by"])]
+            with_leds, without = by_light(results, study)
+            if with_leds:
+                parts.append(light_tables(with_leds, without))
+            found[study] = "\n\n".join(parts)
     for study, tables_of in TABLES_OF.items():
         parts = [
             titled(tables_of(ready(results, name)), made_of, results[name]["made by"])
@@ -56,35 +66,21 @@ def tables_by_study(results: Summaries, within: float) -> dict[str, str]:
         ]
         if parts:
             found[study] = "\n\n".join(parts)
-    for study, below in more_tables(results):
-        found[study] = "\n\n".join([*([found[study]] if study in found else []), below])
     return found
 
 
-def more_tables(results: Summaries) -> Iterator[tuple[str, str]]:
-    """Yield (study, tables) of the checks that stand below a study's own tables."""
-    studies = ("illuminant", "light_draws", "longer")
-    once, drawn, longer = (ready(results, study) for study in studies)
-    if drawn:
-        tables = illuminant_tables(drawn, DRAWN, "How lights are drawn")
-        yield "light_draws", titled(tables, "", results["light_draws"]["made by"])
-    with_leds, without = by_light(results)
-    if with_leds:
-        yield "light_draws", light_tables(with_leds, without)
-    if once and longer and made_alike(results, "illuminant", "longer"):
-        yield "illuminant", longer_tables(once, longer)
-
-
-def by_light(results: Summaries) -> tuple[ByLight, ByLight]:
-    """Return {lights: {camera: errors}} of training with LEDs and without."""
+def by_light(results: Summaries, study: str) -> tuple[ByLight, ByLight]:
+    """Return {lights: {camera: errors}} of a study of illuminants, and of training
+    without LEDs, if that was made alike."""
+    names = (study, HELD_OUT.get(study, ""))
     with_leds, without = (
-        {of: found for of in LIGHTS if (found := ready(results, f"{study}, {of}"))}
-        for study in ("light_draws", "held_out_leds")
+        {of: found for of in LIGHTS if (found := ready(results, f"{name}, {of}"))}
+        for name in names
     )
     alike = {
         of: found
         for of, found in without.items()
-        if made_alike(results, f"light_draws, {of}", f"held_out_leds, {of}")
+        if made_alike(results, *(f"{name}, {of}" for name in names))
     }
     return with_leds, alike
 

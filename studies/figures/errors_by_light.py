@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""light.png: errors of illuminants by the colour temperature of the main light, as the
-paper's figure 5, and under LEDs."""
+"""illuminant.png, light.png: errors of illuminants by the colour temperature of the
+main light, as the paper's figure 5, and under LEDs."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -29,7 +29,7 @@ def errors_by_light(with_leds: ByLight, without: ByLight) -> bytes:
 
     with_leds, without : of training with LEDs among the lights and without, the latter
         hollow marks under LEDs alone."""
-    cameras = list(next(iter(with_leds.values())))
+    cameras = list(dict.fromkeys(name for of in with_leds.values() for name in of))
 
     def draw(figure: "Figure") -> None:
         panels = figure.subplots(len(cameras), 1, sharey=True, squeeze=False)[:, 0]
@@ -47,7 +47,7 @@ def draw_camera(
     axes: "Axes", camera: str, with_leds: ByLight, without: ByLight
 ) -> None:
     """Draw one panel."""
-    lights = list(with_leds)
+    lights = [of for of in with_leds if camera in with_leds[of]]
     sources = list(with_leds[lights[0]][camera])
     held_out = without.get(LEDS, {}).get(camera, {})
     for number, (source, (color, dashes)) in enumerate(styles(sources).items()):

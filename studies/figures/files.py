@@ -10,7 +10,6 @@ from studies.draws import LEARNED, Run, sources_of
 from studies.figures.contact_sheet import contact_sheet, scene_pictures
 from studies.figures.errors_by_light import errors_by_light
 from studies.figures.gap_bars import gap_bars
-from studies.figures.illuminant_curves import illuminant_curves
 from studies.figures.isp_examples import isp_examples
 from studies.figures.isp_panels import isp_panels
 from studies.figures.night_examples import night_examples
@@ -19,6 +18,7 @@ from studies.sources.sets import Draw
 from studies.summaries import Summaries
 from studies.tables_of_results import LIGHTS, by_light, entries_of, ready
 
+BY_LIGHT = {"illuminant": "illuminant", "light_draws": "light"}
 COMPARED = ("illuminant", "light_draws", "isp", "denoising", "photographs")
 
 
@@ -32,11 +32,10 @@ def figures_of_results(results: Summaries) -> dict[str, bytes]:
     ]
     found = {name: ready(results, name) for name in names}
     pngs = {"gap": gap_bars(found)} if found else {}
-    if "illuminant" in found:
-        pngs["illuminant"] = illuminant_curves(found["illuminant"])
-    with_leds, without = by_light(results)
-    if with_leds:
-        pngs["light"] = errors_by_light(with_leds, without)
+    for study, figure in BY_LIGHT.items():
+        with_leds, without = by_light(results, study)
+        if with_leds:
+            pngs[figure] = errors_by_light(with_leds, without)
     return pngs
 
 

@@ -42,17 +42,13 @@ def need_torch() -> None:
         )
 
 
-def illuminant_draw(
-    draw: Draw, made: Sources, tests: TestSets, times: int = 1
-) -> Errors:
-    """Return the errors in degrees of networks that are trained on each source.
-
-    times : training is so many times as long as the protocol has it."""
+def illuminant_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:
+    """Return the errors in degrees of networks that are trained on each source."""
     from studies.learners.convolutional_mean import train
 
     need_torch()
     rules = draw.world.protocol.illuminant
-    epochs = times * rules.epochs[draw.mode]
+    epochs = rules.epochs[draw.mode]
     images = {name: thumbnails(frames, rules.block) for name, frames in tests.items()}
     errors: Errors = {name: {} for name in tests}
     for source, make in made.items():
@@ -63,15 +59,6 @@ def illuminant_draw(
             found = degrees(learnt.estimates(images[name]), frames.neutrals)
             errors[name][source] = found.round(4).tolist()
     return errors
-
-
-def longer_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:
-    """Return the errors after longer training, of the sources that the protocol names.
-
-    Training was long enough if no difference of two sources changes."""
-    rules = draw.world.protocol.longer
-    few = {source: made[source] for source in rules.sources}
-    return illuminant_draw(draw, few, tests, rules.times)
 
 
 def light_draws_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:

@@ -8,7 +8,7 @@ import numpy as np
 
 from studies.learners.unet import Examples, train
 from studies.learners.unet_denoiser import file_name
-from studies.protocol import IspRules, IspUnetRules
+from studies.protocol import IspRules, UnetRules
 from studies.sources.frames import TestSets
 from studies.sources.sets import Draw, Sources
 from studies.tasks.isp import (
@@ -33,7 +33,7 @@ def isp_unet_draw(draw: Draw, made: Sources, tests: TestSets) -> Errors:
 
 
 def unet_learner(
-    rules: IspUnetRules, isp: IspRules, mode: str, folder: Path | None
+    rules: UnetRules, isp: IspRules, mode: str, folder: Path | None
 ) -> Learner:
     """Return the Learner of a U-net, which learns how pictures differ from the input.
 

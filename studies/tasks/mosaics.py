@@ -11,7 +11,7 @@ import numpy as np
 
 from studies.cameras import Camera
 from studies.places import data_folder
-from studies.protocol import FilesRules, PhotographsRules
+from studies.protocol import ChosenRules, PhotographsRules
 from studies.sources.frames import Frames, TestSets, captured
 from studies.sources.mosaics import photograph_files, photographs
 from studies.sources.sets import Draw, Sources
@@ -36,7 +36,7 @@ def photographs_draw(
     }
 
 
-def few(made: Sources, rules: FilesRules | PhotographsRules) -> Sources:
+def few(made: Sources, rules: ChosenRules) -> Sources:
     """Return the sources that a table of the protocol names and that there are."""
     return {source: made[source] for source in rules.sources if source in made}
 

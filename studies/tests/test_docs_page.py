@@ -166,24 +166,6 @@ def test_tables_say_how_much_was_learnt_of(planted):
     assert text.splitlines()[2] == "*By isp: 80 frames, 30,000 samples.*"
 
 
-def test_longer_training_stands_below_its_study(planted):
-    studies = of_first_camera(planted)
-    few = ("real", "ours, dng", "upi, graphics2raw")
-    longer = {source: studies["illuminant"][source] for source in few}
-    found = planted_studies(planted, studies | {"longer": longer})
-    table = tables_by_study(found, 0.1)["illuminant"].split("long enough?")[1]
-    rows = [line for line in table.splitlines() if " - " in line]
-    # The same errors: each difference is the same before and after.
-    assert len(rows) == 3
-    for row in rows:
-        before, after = row.split("|")[2].split(";")
-        assert before.strip() == after.strip()
-    other = planted_studies(
-        planted, studies | {"longer": longer}, longer={"core": "another"}
-    )
-    assert "long enough?" not in tables_by_study(other, 0.1)["illuminant"]
-
-
 def test_an_entry_of_one_draw_waits_for_the_second(planted):
     studies = of_first_camera(planted)
     errors = {source: e[:1] for source, e in studies["illuminant"].items()}

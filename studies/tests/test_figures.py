@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from studies.figures import errors_by_light, gap_bars, illuminant_curves
+from studies.figures import errors_by_light, gap_bars
 from studies.figures.contact_sheet import LABELS, contact_sheet, scene_pictures
 from studies.figures.isp_examples import GOAL, INPUT, SHOWN, Examples, isp_examples
 from studies.figures.isp_panels import MEANS, TITLES, isp_panels
@@ -62,21 +62,6 @@ def test_no_two_sources_look_alike(planted):
     assert len(set(found.values())) == len(planted.gaps) + 1
 
 
-def test_curves_have_a_panel_a_camera_and_every_source(entries, planted, drawn_on):
-    found = entries["illuminant"]
-    figure = drawn_on(illuminant_curves, illuminant_curves.illuminant_curves, found)
-    assert [axes.get_title() for axes in figure.axes] == sorted(planted.cameras)
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == list(
-        entries["illuminant"]["sony-a7s-ii"]
-    )
-    for axes, errors in zip(figure.axes, found.values(), strict=True):
-        for line in axes.lines:
-            values = np.array(errors[line.get_label()]["frames"])
-            at, share = line.get_data()
-            assert np.interp(0.5, share, at) == pytest.approx(np.median(values))
-            assert (at[0], at[-1]) == (values.min(), values.max())
-
-
 def test_errors_by_light_are_the_means_and_leds_stand_apart(planted, drawn_on):
     errors = planted.summaries["illuminant"]["cameras"]["sony-a7s-ii"]
     lights = ("below 3000 K", "above 3000 K", "LED lamps")
@@ -94,6 +79,21 @@ def test_errors_by_light_are_the_means_and_leds_stand_apart(planted, drawn_on):
     for bars, source in zip(axes.containers[::2], errors, strict=False):
         mean = np.mean(errors[source]["frames"])
         assert bars.lines[0].get_ydata() == pytest.approx(mean, abs=1e-4)
+
+
+def test_a_camera_without_frames_of_a_light_has_the_others(planted, drawn_on):
+    errors = planted.summaries["illuminant"]["cameras"]
+    few = {"nikon-d850": errors["nikon-d850"]}
+    with_leds = {"below 3000 K": few, "LED lamps": errors}
+    figure = drawn_on(errors_by_light, errors_by_light.errors_by_light, with_leds, {})
+    shown = {
+        axes.get_title(): [label.get_text() for label in axes.get_xticklabels()]
+        for axes in figure.axes
+    }
+    assert shown == {
+        "nikon-d850": ["below 3000", "LED lamps"],
+        "sony-a7s-ii": ["LED lamps"],
+    }
 
 
 def test_bars_are_the_gaps_that_were_planted(entries, planted, drawn_on):
@@ -124,14 +124,15 @@ def test_a_study_of_one_camera_leaves_a_panel_empty(entries, drawn_on):
 
 
 def test_figures_are_not_blank_and_the_same_bytes_twice(entries):
+    lit = {"LED lamps": entries["illuminant"]}
     for make, found in (
-        (gap_bars.gap_bars, {"isp": entries["isp"]}),
-        (illuminant_curves.illuminant_curves, entries["illuminant"]),
+        (gap_bars.gap_bars, ({"isp": entries["isp"]},)),
+        (errors_by_light.errors_by_light, (lit, {})),
     ):
-        png = make(found)
+        png = make(*found)
         assert png.startswith(b"\x89PNG") and colors(png) > 40
         assert b"Software" not in png and b"Creation" not in png
-        assert make(found) == png
+        assert make(*found) == png
 
 
 def noise(seed, count):
@@ -248,7 +249,9 @@ def test_figures_are_of_the_studies_that_results_have(planted):
 
     found = {"isp": planted.summaries["isp"]}
     assert list(figures_of_results(found)) == ["gap"]
-    assert list(figures_of_results(planted.summaries)) == ["gap", "illuminant"]
+    lit = {"illuminant, LED lamps": planted.summaries["illuminant"]}
+    both = figures_of_results(planted.summaries | lit)
+    assert list(both) == ["gap", "illuminant"]
     assert figures_of_results({}) == {}
 
 

@@ -83,9 +83,6 @@ def test_a_draw_has_each_source_and_frame(small, camera):
         assert found["few"] == {source: e[:3] for source, e in found["all"].items()}
         assert study.illuminant_draw(draw, made, two) == found
         entry = appended(entry, found["all"])
-    longer = study.longer_draw(draw, made, {"all": tests})["all"]
-    assert list(longer) == list(small.protocol.longer.sources)
-    assert longer["real"] != found["all"]["real"]
     assert {np.shape(e) for e in entry.values()} == {(2, 8)}
     text = illuminant_tables({"canon-600d": reduced(entry)})
     assert "| share of the gap of upi, camera left (goal 0.3) |" in text
