@@ -35,7 +35,7 @@ from studies.results import (
     write_results,
 )
 from studies.sources.renders import read_renders
-from studies.summaries import summaries
+from studies.summaries import COMMITTED, Summaries, read_committed, summaries
 from studies.tables_of_results import tables_by_study, together
 from studies.tasks.classical import classical
 from studies.tasks.colour import colour
@@ -44,6 +44,7 @@ from studies.world.shots import KINDS, World, load_world
 
 Study = Callable[[World, Camera, str], Any]  # world, camera, quick or full
 TABLES = "tables.md"
+STOPPED = 130  # as shells have it: 128 and SIGINT
 
 
 def run_classical(world: World, camera: Camera, mode: str) -> Any:
@@ -238,8 +239,22 @@ def run(given: argparse.Namespace) -> str:
     shown = figures_of_world(prepared_run, cameras(given, data, "isp")[0], names)
     write_figures(given.out, figures_of_results(made) | shown)
     if given.docs:
+        for line in replaced(read_committed(), made):
+            warn(line)
         write_page(made, given.out)
     return together(found)
+
+
+def replaced(committed: Summaries, made: Summaries) -> list[str]:
+    """Return a line for each committed study of which summaries are made otherwise."""
+    differs = {
+        name: others(committed, name, of["made by"]) for name, of in made.items()
+    }
+    return [
+        f"{COMMITTED.name} had {name} with other {', '.join(found)}: it is replaced"
+        for name, found in differs.items()
+        if found
+    ]
 
 
 def warn(message: str) -> None:
@@ -248,9 +263,13 @@ def warn(message: str) -> None:
 
 
 def main(given: list[str] | None = None) -> int:
-    """Run the command; one line on stderr and exit 1 for data that are missing."""
+    """Run the command; one line on stderr and exit 1 for data that are missing, and
+    130 if it is stopped."""
     try:
         print(run(arguments(given)), end="")
+    except KeyboardInterrupt:
+        warn("stopped: the same command goes on after the last draw that was done")
+        return STOPPED
     except ValueError as error:
         warn(str(error))
         return 1

@@ -138,6 +138,42 @@ def test_another_version_of_a_package_is_said_in_one_line(
     assert not list(tmp_path.iterdir())
 
 
+def test_a_run_that_is_stopped_says_so_and_keeps_what_was_done(
+    short, camera_data, tmp_path, capsys, monkeypatch
+):
+    """Of two cameras the first is done when Ctrl-C comes; it is not measured again."""
+    words = ["classical", "--cameras", "nikon-d40,canon-600d", "-o", str(tmp_path)]
+    words += ["--data", str(camera_data)]
+    measure, asked = command.classical, []
+
+    def stopped(world, camera, frames):
+        asked.append(camera.id)
+        if asked == ["nikon-d40", "canon-600d"]:
+            raise KeyboardInterrupt
+        return measure(world, camera, frames)
+
+    monkeypatch.setattr(command, "classical", stopped)
+    assert command.main(words) == 130
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.splitlines()[-1].startswith("evidence: stopped: the same command")
+    assert list(json.loads((tmp_path / "results.json").read_text())["studies"]) == [
+        "classical"
+    ]
+    assert command.main(words) == 0
+    assert asked == ["nikon-d40", "canon-600d", "canon-600d"]
+    assert "| camera |" in capsys.readouterr().out
+
+
+def test_committed_results_of_another_seed_are_named():
+    def of(seeds):
+        return {"colour": {"made by": {"seeds": seeds, "core": "a"}, "cameras": {}}}
+
+    assert command.replaced(of("real 1"), of("real 1")) == []
+    (said,) = command.replaced(of("real 2"), of("real 1"))
+    assert said == "evidence.json had colour with other seeds: it is replaced"
+
+
 @pytest.mark.slow  # minutes
 def test_a_small_run_of_all_studies(camera_data, repository, tmp_path):
     """As users run it, in the pinned environment, which needs an index once."""
