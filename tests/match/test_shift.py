@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cg2raw.match import Levels, shift_between, shift_of
+from cg2raw.match.comparison import times_words
 from cg2raw.match.shift import any_shape, normal, shape_of, shrunk
 
 NONE = np.empty(0)
@@ -146,3 +147,17 @@ def test_it_is_the_same_each_time():
     rng = np.random.default_rng(7)
     renders, captures = rng.normal(-5, 1, 30), known(rng.normal(-4, 1, 30))
     assert shift_between(renders, captures) == shift_between(renders, captures)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "words"),
+    [
+        (0.5, "half"),
+        (2.1, "twice"),
+        (1.04, "just"),
+        (1.5, "1.5 times"),
+        (0.7, "0.7 times"),
+    ],
+)
+def test_how_a_ratio_is_said(ratio, words):
+    assert times_words(ratio) == words
