@@ -205,7 +205,8 @@ def glow(rate: Array) -> Glow:
     bounds = (*lowest, EXTENTS[0]), (*highest, EXTENTS[-1])
     found = least_squares(misses, start, bounds=bounds, x_scale="jac")
     variance = 2 * float(found.cost) / max(len(smooth) - len(start), 1)
-    errors = np.sqrt(np.diag(np.linalg.pinv(found.jac.T @ found.jac)) * variance)
+    covariance = np.linalg.pinv(found.jac.T @ found.jac) * variance
+    errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     _, shine, at_row, at_column, extent = (
         Measured(float(value), float(error), unit)
         for value, error, unit in zip(
