@@ -11,6 +11,7 @@ from textwrap import fill
 from typing import Any
 
 from studies.draws import RENDERS
+from studies.figures.files import figures_of_results
 from studies.places import ROOT
 from studies.protocol import PROTOCOL
 from studies.summaries import (
@@ -146,18 +147,18 @@ def write_page(
     """Put summaries into the committed file, and all tables of that into the page, with
     the figures that a folder has, and a sentence into the README.
 
-    A study's figure is left out without tables of it; one that is not drawn anew stays.
-    Raises ValueError naming the page
-    and what it lacks; then nothing is written."""
+    A study's figure is left out without tables of it; one that is not drawn anew stays,
+    and one of several studies has those that were committed before. Raises ValueError
+    naming the page and what it lacks; then nothing is written."""
     found = joined(read_committed(committed), made)
     tables = tables_by_study(found, PROTOCOL.classical.within)
     own = tables_by_study(made, PROTOCOL.classical.within)
-    drawn = [
-        name
+    pngs = {
+        name: (folder / f"{name}.png").read_bytes()
         for name in FIGURES
         if (folder / f"{name}.png").exists()
-        and (name not in OF or set(OF[name]) & set(own))
-    ]
+    } | figures_of_results(found)
+    drawn = [n for n in FIGURES if n in pngs and (n not in OF or {*OF[n]} & {*own})]
     try:
         before = page.read_text()
         shown = [n for n in FIGURES if n in drawn or n in tables and link(n) in before]
@@ -175,5 +176,4 @@ def write_page(
     readme.write_text(front)
     (page.parent / "images").mkdir(exist_ok=True)
     for name in drawn:
-        png = (folder / f"{name}.png").read_bytes()
-        (page.parent / "images" / image(name)).write_bytes(png)
+        (page.parent / "images" / image(name)).write_bytes(pngs[name])

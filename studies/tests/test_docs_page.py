@@ -241,6 +241,8 @@ def test_a_page_has_figures_of_the_studies_that_are_written(written, tmp_path, p
     assert "### Neural ISP" in text and "|\n\n![The goal" in text
     assert "illuminant" not in text and kept == found
     images = {path.name: path.read_bytes() for path in (tmp_path / "images").iterdir()}
+    # Of summaries, which are of all studies, figures are drawn anew.
+    assert images.pop(image("gap")).startswith(b"\x89PNG")
     assert images == {image("isp"): b"isp"}
     assert written(found) == (text, kept)
     # Without its picture, a study's tables are renewed above the earlier picture.
