@@ -161,6 +161,7 @@ def test_renders_without_noise_say_so(folders, tmp_path):
     (tmp_path / "quiet.json").write_text(json.dumps(profile))
     done = run(*words(folders, sensor=tmp_path / "quiet.json"))
     assert "They are without noise." in done.out
+    assert "The middles of your renders" in done.out
     assert "note: renders are without noise" in done.out
 
 
