@@ -39,10 +39,13 @@ def test_a_planted_sensor_is_found(side, sets):
 @pytest.mark.slow
 @pytest.mark.parametrize("options", [{}, {"low": True, "black": 64, "noise": 0.4}])
 def test_intervals_hold_in_95_of_100_sets(options):
-    """Of 400 sets 93 to 97 %, and what chance makes of 95 % in one of 100 figures."""
+    """Of 400 sets 93 to 97 %, and what chance makes of 95 % in one of 100 figures. That
+    of the dark current is wide: Student's of few frames, and widened by what levels
+    miss their line by chance, but never narrowed."""
     for name, rows in misses(range(400), **options).items():
         share = np.mean([inside for inside, _ in rows])
-        assert 0.93 - 0.015 <= share <= 0.97 + 0.015, (name, share)
+        most = 0.995 if name == "dark current" else 0.97 + 0.015
+        assert 0.93 - 0.015 <= share <= most, (name, share)
 
 
 def test_darks_that_are_mostly_zero_show_nothing():
