@@ -7,10 +7,11 @@ with its parameters as trained and all others fitted anew, less the same with it
 parameters as the profile has them. Source: L. Wasserman, A. Ramdas, S. Balakrishnan,
 PNAS 117(29), 2020 (split likelihood-ratio test)."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cg2raw.model.dark_levels import LEVELS, DarkLevels
 from cg2raw.model.fit import Fit, Prior, gain_of
@@ -99,12 +100,7 @@ def selection(
             blended = Blended.of(lags[0], trained, covariance)
     known = np.isfinite(np.diagonal(training.covariance))
     known &= np.isfinite(np.diagonal(validation.covariance))
-    beginnings = [name.partition(",")[0] for name in names]
-    places = {
-        name: np.isin(beginnings, parameters) & known
-        for name, parameters in NAMES.items()
-    }
-    places = {name: own for name, own in places.items() if own.any()}
+    places = _places_of(names, known)
     for name in ("dsnu", "dark_current_nonuniformity"):
         if profile[training.parameters.of(name)] > 0 and name in places:
             places[name] = places[name] & (np.array(names) != BOTH)
@@ -125,9 +121,8 @@ def selection(
     pair = training, validation
     if "black_level_drift" not in levels and together is not None:
         pair = together, together
-        by_both = np.isfinite(np.diagonal(together.covariance))
-        each = {name: np.isin(beginnings, NAMES[name]) & by_both for name in LEVELS}
-        levels = {name: at for name, at in each.items() if at.any()}
+        each = _places_of(names, np.isfinite(np.diagonal(together.covariance)))
+        levels = {name: each[name] for name in LEVELS if name in each}
     unsure: Mapping[str, float] = {}
     if "black_level_drift" not in levels:
         levels = {}  # nothing says how far levels may be off: it could be any of them
@@ -163,3 +158,16 @@ def selection(
         if own.any():
             unnamed[name] = gain_of(own, training, validation, profile)
     return Selection(gains, training, validation, unnamed, unsure, tuple(levels))
+
+
+def _places_of(
+    names: Sequence[str], known: NDArray[np.bool_]
+) -> dict[str, NDArray[np.bool_]]:
+    """Return (n,) which parameters are of each of NAMES that has any that is known.
+    names : of the parameters. known : (n,)."""
+    beginnings = [name.partition(",")[0] for name in names]
+    each = {
+        name: np.isin(beginnings, parameters) & known
+        for name, parameters in NAMES.items()
+    }
+    return {name: own for name, own in each.items() if own.any()}

@@ -185,16 +185,17 @@ def _sums(
     top = max(float(light[used].max(initial=0.0)), 1e-12)
     labels = np.minimum((light / top * LEVELS).astype(int), LEVELS - 1)
     left = variance_left(point.model)
+    known = {offset.name for offset in offsets_of(point)}
     single = z / np.sqrt(left)  # of pixels by themselves
     yield "variance by level", _variances(single, used, labels, LEVELS)
     if point.view.n > 1:
-        yield "repeats", _repeats(point, used, waves)
+        yield "repeats", _repeats(point, used, "rows" in known, waves)
     v, u = frame.tiles.field()[::-1]
     ring = np.minimum((np.hypot(u, v) * RINGS_ASKED).astype(int), RINGS_ASKED - 1)
     yield "variance by radius", _variances(single, used, ring, RINGS_ASKED)
-    if "rows" not in _known(point):
+    if "rows" not in known:
         yield "rows", _normal(z.sum(2), used.sum(2))
-    if "columns" not in _known(point):
+    if "columns" not in known:
         yield "columns", _normal(z.sum(1), used.sum(1))
     height, width = (n // BLOCK * BLOCK for n in z.shape[1:])
     inner = [one[:, :height, :width] for one in (z, used)]
@@ -213,11 +214,6 @@ def _sums(
     yield "neighbours", _normal(np.array(products), np.array(counts))
 
 
-def _known(point: Point) -> set[str]:
-    """Return what samples are known to have in common, as of offsets_of."""
-    return {offset.name for offset in offsets_of(point)}
-
-
 def _normal(sums: Array, variances: Array) -> tuple[float, float]:
     enough = variances > FEWEST if variances.max(initial=0) > FEWEST else variances > 0
     return float((sums[enough] ** 2 / variances[enough]).sum()), float(enough.sum())
@@ -231,11 +227,13 @@ def _variances(z: Array, used: Array, labels: Array, count: int) -> tuple[float,
     return _normal(sums / np.sqrt(2), n)
 
 
-def _repeats(point: Point, used: Array, waves: bool) -> tuple[float, float]:
+def _repeats(
+    point: Point, used: Array, offsets: bool, waves: bool
+) -> tuple[float, float]:
     """By the squares of what frames differ by, without what rows are known to have for
     themselves in each: offsets, and light where it comes in waves."""
     n, away = point.view.n, point.view.away
-    of_rows = [np.ones_like(point.base)] if "rows" in _known(point) else []
+    of_rows = [np.ones_like(point.base)] if offsets else []
     of_rows += [point.base] if waves else []
     freedom = (n - 1) * used.astype(float)
     for along in of_rows:
