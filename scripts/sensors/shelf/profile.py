@@ -185,7 +185,8 @@ def from_dng(name, entry, folder):
 
     sensor = cg2raw.Sensor.from_dng(folder.parent / "real" / entry["dng"])
     read = {"noise": [], "effects": [], **rounded(json.loads(sensor.to_json()))}
-    read.pop("illuminants", None)
+    for of_exposure in ("illuminants", "digital_gain"):
+        read.pop(of_exposure, None)
     sources = {
         "illuminants": NO_NEUTRALS + "; the file's own neutral is one exposure's"
     }
