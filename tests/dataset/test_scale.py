@@ -14,10 +14,13 @@ pytestmark = pytest.mark.slow
 OPTIONS = "--sensors nikon-d40 --illuminants 1 --format npy --type uint16".split()
 
 
-# VmHWM, not ru_maxrss, which a process inherits from the one that started it
+# VmHWM, not ru_maxrss, which a process inherits from the one that started it. Row
+# groups are small, since two of them are in memory.
 PROGRAM = """
 import re, sys
 from cg2raw.cli import main
+from cg2raw.dataset import manifest
+manifest.ROWS = 512
 code = main(sys.argv[1:])
 print(re.search(r"VmHWM:\\s+(\\d+) kB", open("/proc/self/status").read())[1])
 sys.exit(code)
