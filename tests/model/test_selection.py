@@ -97,15 +97,23 @@ def test_spots_may_be_in_the_sensitivity_of_a_profile(fits, stated, spots, names
 
 @pytest.mark.parametrize("fits", [2], indirect=True)
 @pytest.mark.parametrize(
-    ("of_profile", "is_named"), [(0.8, False), (0.65, True), (1.2, True)]
+    ("of_profile", "whole", "is_named"),
+    [
+        (0.8, (1.0, 0.0), False),
+        (0.65, (1.0, 0.0), True),
+        (1.2, (1.0, 0.0), True),
+        (1.2, (1.15, 0.01), True),
+        (1.2, (1.15, 0.04), False),
+    ],
 )
-def test_noise_of_a_profile_beside_tails(fits, of_profile, is_named):
-    """Most draws have seven tenths of all: a profile may have either, or between."""
+def test_noise_of_a_profile_beside_tails(fits, of_profile, whole, is_named):
+    """Most draws have seven tenths of all: a profile may have either, or between; and
+    as much as all have may have, few of which are the widest."""
     first, second, truth = fits
     own = np.isin(first.parameters.names, NAMES["read_noise"])
     lacks = np.where(own, truth * of_profile, truth)
     most = 0.7 * float(truth[own].mean()), 1e-3 * float(truth[own].mean())
-    shapes = Shapes({TAILS: Shape(TAILS, 99.0, ())}, most=(most, most))
+    shapes = Shapes({TAILS: Shape(TAILS, 99.0, ())}, most=(most, most), whole=whole)
     found = selection(first, second, lacks, LEAST, shapes=shapes).kept(LEAST)
     assert ("read_noise" in found) == is_named
 

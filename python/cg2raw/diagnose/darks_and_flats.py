@@ -246,7 +246,7 @@ def darks_and_flats(
     found = replace(found, gains=gains)
     say("measuring what was found", 0.9)
     kept = [s for s in of_shapes.found.values() if s.name in found.kept(least)]
-    beyond = of_shapes.whole if has_tails else 1.0
+    beyond = of_shapes.whole if has_tails else (1.0, 0.0)
     values = tuple(effect_values(both, together, profile, white, kept, beyond))
     return DarksAndFlats(
         captures,

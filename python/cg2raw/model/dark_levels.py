@@ -6,7 +6,6 @@ Each can stand for another, and would hide it if it were free: the set of names 
 chosen that needs fewest."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +71,7 @@ class DarkLevels:
         trained = np.where(is_named, self.training.theta, self.profile)
         most = gain_of(
             np.any([*self.places.values()], axis=0),
-            replace(self.training, theta=trained),
+            trained,
             self.validation,
             self.profile,
         )

@@ -414,17 +414,17 @@ def _start_patterns(
 
 def gain_of(
     own: NDArray[np.bool_],
-    training: Fit,
+    trained: Array,
     validation: Fit,
     profile: Array,
     prior: Prior | None = None,
 ) -> float:
     """Return the nats of parameters @own, (n,), as trained over those of a profile.
 
-    prior : of how far something else moves them from the profile's."""
+    trained : (n,). prior : of how far something else moves them from the profile's."""
     free = np.isfinite(np.diagonal(validation.covariance)) & ~own
     values = []
-    for pinned, known in ((training.theta, None), (profile, prior)):
+    for pinned, known in ((trained, None), (profile, prior)):
         start = np.where(own, pinned, validation.theta)
         let = free if known is None else free | own
         values.append(refitted(validation.likelihood, start, let, known).value)

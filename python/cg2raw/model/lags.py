@@ -16,6 +16,8 @@ from scipy.signal import correlate2d
 
 from cg2raw.model.correlation import variance_left
 from cg2raw.model.fit import Fit, Prior
+from cg2raw.model.smallest_set import gains_in_smallest_set
+from cg2raw.model.values import LOGARITHMS
 from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import (
     FIELD,
@@ -44,9 +46,10 @@ class Lags:
     measured : (G, lags), of residuals. samples : (G,) whose products each is the mean
     of; residuals' variance is by their degrees of freedom. side : px of the CFA's
     repeat. shape : of a plane. read, whole : (G,) shares of the recorded variance: of
-    read noise, and of all noise but for rounding. ratios, errors : (R,) logarithms of
-    read noise and gain over the profile's, which noise reduction would lower alike, and
-    their standard errors. null : (coefficient, blend, diagonal) of the profile."""
+    read noise, and of all noise but for rounding. ratios, errors, of : (R,) logarithms
+    of read noise and gain over the profile's, which noise reduction would lower alike,
+    their standard errors, and names of LOGARITHMS. null : (coefficient, blend,
+    diagonal) of the profile."""
 
     measured: Array
     samples: Array
@@ -56,6 +59,7 @@ class Lags:
     whole: Array
     ratios: Array
     errors: Array
+    of: NDArray[np.str_]
     null: Array
 
     def expected(self, values: Array) -> Array:
@@ -105,9 +109,11 @@ class Lags:
         is_free = [name in names for name, _ in PARAMETERS]
         return self.fitted(np.where(is_free, np.nan, self.null))
 
-    def fitted(self, pinned: Array, *, by_ratios: bool = False) -> tuple[Array, Array]:
+    def fitted(
+        self, pinned: Array, lowered: NDArray[np.bool_] | bool = False
+    ) -> tuple[Array, Array]:
         """Return the likeliest values and their covariance, (3, 3). pinned : (3,), nan
-        of those that are fitted. by_ratios : noise reduction has made the ratios."""
+        of those that are fitted. lowered : (R,) ratios that noise reduction made."""
         free = np.isnan(pinned)
         low, high = np.array(LOWEST), np.array(HIGHEST)
 
@@ -118,7 +124,7 @@ class Lags:
 
         def rest(some: Array) -> Array:
             values = whole(some)
-            more = (self.ratios - self.lowered(values)) / self.errors * by_ratios
+            more = (self.ratios - self.lowered(values)) / self.errors * lowered
             return np.concatenate([self._rest(values), more])
 
         if not free.any():
@@ -209,11 +215,12 @@ def lags_of(
     read = np.mean([found.theta[at("read_noise", s)] for s in sites])
     samples = sum(float((~plane.plane.masked).sum()) for plane in planes)
     pairs = statistics.pairs[groups].astype(float)
-    lowered = ("gain",) if has_tails else ("read_noise", "gain")
-    places = np.array([at(name, s) for name in lowered for s in sites])
+    lowered = [one for one in LOGARITHMS if not (has_tails and one == "read_noise")]
+    places = np.array([at(LOGARITHMS[one][0], s) for one in lowered for s in sites])
+    of = np.repeat(lowered, len(sites))
     errors = np.sqrt(np.diagonal(found.covariance))[places] / found.theta[places]
     known = np.isfinite(errors) & (errors > 0) & (profile[places] > 0)
-    places, errors = places[known], errors[known]
+    places, errors, of = places[known], errors[known], of[known]
     return Lags(
         measured=statistics.lags[groups],
         samples=pairs * samples,
@@ -223,40 +230,60 @@ def lags_of(
         whole=np.clip(1 - ROUNDING / recorded, 0.0, 1.0),
         ratios=np.log(found.theta[places] / profile[places]),
         errors=errors,
+        of=of,
         null=null,
     )
 
 
 def lag_gains(
-    training: Lags, validation: Lags
+    training: Lags, validation: Lags, least: float
 ) -> tuple[dict[str, float], Array, Array]:
     """Return the nats of each name on validation frames, its values as trained and the
     other's fitted anew, over the same without it; the trained values; their
     covariance.
 
-    If noise reduction is as likely to have lowered read noise and gain as both by
-    themselves, its nats are of them, too."""
-    nothing = np.full(3, np.nan)
-    trained, covariance = training.fitted(nothing)
-    without = {
-        name: validation.value(validation.fitted(_with(places, validation.null))[0])
-        for name, places in NAMES.items()
+    Noise reduction lowers read noise and gain alike: it is named if it is in the
+    smallest set of these three that explains both. least : nats that a name needs."""
+    nothing, reduction = np.full(3, np.nan), "noise_reduction"
+    places = NAMES[reduction]
+    alike = np.array_equal(training.of, validation.of)
+    every = {reduction: len(places)}
+    every |= {name: 1 for name in LOGARITHMS if alike and name in training.of}
+
+    def fitted(lags: Lags, names: Collection[str]) -> tuple[Array, Array, Array]:
+        """Return values, their covariance, and the ratios that they expect."""
+        own = np.isin(lags.of, list(names))
+        known = nothing if reduction in names else _with(places, lags.null)
+        values, covariance = lags.fitted(known, ~own & alike)
+        expected = np.full(len(own), lags.lowered(values))
+        for name in names:
+            if (at := lags.of == name).any():
+                expected[at] = lags.ratios[at].mean()
+        return values, covariance, expected
+
+    def value(names: Collection[str], found: tuple[Array, Array, Array]) -> float:
+        values, _, expected = found
+        own = validation.fitted(_with(places, values))[0]
+        return validation.value(own) + validation.of_ratios(expected) * alike
+
+    gains = gains_in_smallest_set(
+        every,
+        least,
+        train=lambda names: fitted(training, names),
+        value=value,
+        refitted=lambda names: value(names, fitted(validation, names)),
+    )
+    values, covariance, _ = fitted(training, gains or [reduction])
+    along = NAMES["read_noise_correlation"]
+    of_rows = [
+        validation.value(validation.fitted(_with(along, one))[0])
+        for one in (training.fitted(nothing)[0], validation.null)
+    ]
+    found = {
+        "read_noise_correlation": of_rows[0] - of_rows[1],
+        reduction: gains.get(reduction, 0.0),
     }
-    gains = {
-        name: validation.value(validation.fitted(_with(places, trained))[0])
-        - without[name]
-        for name, places in NAMES.items()
-    }
-    name = "noise_reduction"
-    if len(training.ratios) == len(validation.ratios) > 0:
-        both, of_both = training.fitted(nothing, by_ratios=True)
-        value = validation.value(validation.fitted(_with(NAMES[name], both))[0])
-        value += validation.of_ratios(validation.lowered(both))
-        if value >= without[name] + validation.of_ratios(training.ratios):
-            gain = value - without[name] - validation.of_ratios(0.0)
-            if gain > gains[name]:
-                return gains | {name: gain}, both, of_both
-    return gains, trained, covariance
+    return found, values, covariance
 
 
 def _with(places: list[int], values: Array) -> Array:

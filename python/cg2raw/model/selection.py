@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.model.dark_levels import LEVELS, DarkLevels
+from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit, Prior, gain_of
 from cg2raw.model.halves import NAME as HALVES
 from cg2raw.model.halves import Halves
@@ -21,6 +22,7 @@ from cg2raw.model.lags import Blended, Lags, lag_gains
 from cg2raw.model.shapes import Shapes
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.model.shapes.random_telegraph_noise import NAME as JUMPS
+from cg2raw.model.values import LOGARITHMS
 from cg2raw.statistics.constant import Array
 
 # Names and their parameters; of those that each part has, their beginning.
@@ -95,7 +97,7 @@ def selection(
     gains: dict[str, float] = {}
     blended = None
     if lags is not None:
-        gains, trained, covariance = lag_gains(*lags)
+        gains, trained, covariance = lag_gains(*lags, least)
         if gains["noise_reduction"] > least:
             blended = Blended.of(lags[0], trained, covariance)
     known = np.isfinite(np.diagonal(training.covariance))
@@ -116,7 +118,10 @@ def selection(
         if allowed and name in allowed:
             at, size = np.flatnonzero(own), max(allowed[name], LEAST_SHAPE)
             prior = Prior(at, profile[at], size**2 * np.eye(len(at)))
-        gains[name] = gain_of(own, training, validation, profile, prior)
+        trained = training.theta
+        if name in LOGARITHMS:
+            trained = _in_common(trained, own, profile)
+        gains[name] = gain_of(own, trained, validation, profile, prior)
     levels = {name: places[name] for name in LEVELS if name in places}
     pair = training, validation
     if "black_level_drift" not in levels and together is not None:
@@ -142,13 +147,14 @@ def selection(
     gains |= {name: shape.nats for name, shape in shapes.found.items()}
     if "read_noise" in gains:
         variance = float(profile[places["read_noise"]].mean())
+        variance *= 1.0 if blended is None else blended.left
         if gains.get(JUMPS, 0.0) > least:
             of_core = shapes.read_noise(variance, shapes.cores)
             gains["read_noise"] = of_core or gains["read_noise"]
         if gains.get(TAILS, 0.0) > least and shapes.most[1] is not None:
             # A profile's noise is that of most draws, or of more, up to all.
             kept = float(validation.theta[places["read_noise"]].mean())
-            total = kept * shapes.whole
+            total = kept * (shapes.whole[0] + NORMAL * shapes.whole[1])
             of_most = shapes.read_noise(variance, shapes.most)
             nothing = 0.0 if shapes.most[1][0] < variance < total else np.inf
             gains["read_noise"] = min(of_most or np.inf, nothing, gains["read_noise"])
@@ -156,8 +162,17 @@ def selection(
     for name in UNNAMED:
         own = np.isin(names, name) & known
         if own.any():
-            unnamed[name] = gain_of(own, training, validation, profile)
+            unnamed[name] = gain_of(own, training.theta, validation, profile)
     return Selection(gains, training, validation, unnamed, unsure, tuple(levels))
+
+
+def _in_common(theta: Array, own: NDArray[np.bool_], profile: Array) -> Array:
+    """Return parameters of which those @own, (n,), are as many times a profile's, as an
+    effect of one value has them; as they are where the profile's are none."""
+    if not (np.minimum(theta, profile)[own] > 0).all():
+        return theta
+    factor = np.exp(np.log(theta[own] / profile[own]).mean())
+    return np.where(own, factor * profile, theta)
 
 
 def _places_of(

@@ -43,11 +43,12 @@ def effect_values(
     profile: Array,
     white: float,
     shapes: Iterable[Shape] = (),
-    whole: float = 1.0,
+    whole: tuple[float, float] = (1.0, 0.0),
 ) -> Iterator[Value]:
     """Yield what the frames show, named or not, but for shapes. profile : (n,)
     parameters of the null. white : DN above black. shapes : that are named. whole : the
-    variance of read noise over that of samples that are not masked."""
+    variance of read noise over that of samples that are not masked, and its standard
+    error."""
     for shape in shapes:
         for one in shape.figures:
             if np.isfinite([one.value, one.low, one.high]).all():
@@ -69,8 +70,11 @@ def effect_values(
             continue
         slope = 1 / found.theta[places] / count
         value = float(np.log(ratio).mean())
-        value += float(np.log(whole)) if effect == "read_noise" else 0.0
-        half = NORMAL * float(np.sqrt(slope @ covariance @ slope))
+        error = float(np.sqrt(slope @ covariance @ slope))
+        if effect == "read_noise":
+            value += float(np.log(whole[0]))
+            error = float(np.hypot(error, whole[1] / whole[0]))
+        half = NORMAL * error
         yield Value(effect, name, value, value - half, value + half)
     for site in range(count):
         place = at("black_level", site)

@@ -7,8 +7,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from cg2raw.model.shapes.heavy_tailed_noise import whole_of
 from cg2raw.model.shapes.random_telegraph_noise import NOISY, clumped
-from model.shapes.planted import NOISE, SHAPE, TIMES, darks, normal, shown
+from cg2raw.statistics.codes import ROUNDING
+from model.shapes.planted import (
+    NOISE,
+    SHAPE,
+    TIMES,
+    darks,
+    normal,
+    shown,
+    statistics_of,
+)
 
 LEAST = np.log(33 / 0.01)
 NONE = np.zeros(SHAPE)
@@ -105,3 +115,21 @@ def test_numbers():
     share, ratio = (figure.value for figure in tailed)
     assert share * (ratio - 1) == pytest.approx(0.02 * 8, rel=0.2)
     assert ratio == pytest.approx(9.0, rel=0.4)
+
+
+def test_the_variance_of_all_draws():
+    """Of a quarter more variance by tails, in pairs: that of samples that are not
+    masked times `whole`, which is off by its standard error."""
+
+    def wide(rng, shape):
+        return normal(rng, shape) * np.where(rng.random(shape) < 0.016, 4.2, 1.0)
+
+    truth, away = NOISE**2 * (1 + 0.016 * (4.2**2 - 1)), []
+    for seed in range(16):
+        drawn = darks(seed, "first", NONE, times=(0.0,), frames=2, noise=wide)
+        statistics = statistics_of(drawn)
+        whole, error = whole_of(SimpleNamespace(statistics=statistics), "first")
+        kept = np.mean([plane.power[0] for plane in statistics.planes]) - ROUNDING
+        away.append((kept * whole - truth) / (kept * error))
+    assert abs(np.mean(away)) < 1.0
+    assert 0.6 < np.std(away) < 1.8

@@ -38,7 +38,8 @@ class Shapes:
     training frames. cores : the variance of most draws in the shortest darks and its
     standard error, DN^2, of training and validation; None where it is not known. most :
     likewise, by the law of tails; only beside their evidence. whole : the variance of
-    all samples of the shortest darks over that of those that are not masked.
+    all samples of the shortest darks over that of those that are not masked, and its
+    standard error.
     spots : by how much the variance of the pixels' sensitivity would be more with those
     in spots, which a profile's may have; of training frames."""
 
@@ -47,7 +48,7 @@ class Shapes:
     cores: tuple[tuple[float, float] | None, ...] = (None, None)
     most: tuple[tuple[float, float] | None, ...] = (None, None)
     spots: float = 0.0
-    whole: float = 1.0
+    whole: tuple[float, float] = (1.0, 0.0)
 
     def read_noise(
         self, profile: float, among: tuple[tuple[float, float] | None, ...]

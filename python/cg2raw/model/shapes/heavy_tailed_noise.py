@@ -176,22 +176,27 @@ def most_of(shown: Shown, split: str) -> tuple[float, float] | None:
     return value * lost_of(shown), error * lost_of(shown)
 
 
-def whole_of(shown: Shown, split: str) -> float:
+def whole_of(shown: Shown, split: str) -> tuple[float, float]:
     """Return the variance of all samples over that of those that are not masked, in the
-    shortest darks: the widest of tails are masked as points. 1 without pairs."""
+    shortest darks, and its standard error: the widest of tails are masked as points,
+    and few. 1, 0 without pairs."""
     darks = shown.statistics.shortest_darks(split)
     planes = shown.statistics.planes
     points = points_of(shown.statistics)
     count = np.array([float((~p.masked).sum()) for p in planes])
     if not len(darks) or not count.sum():
-        return 1.0
-    kept = float(count @ [p.power[darks].mean() for p in planes])
-    masked = sum(
-        float(p.outlier_noise[darks][:, own].mean(axis=0).sum())
-        for p, own in zip(planes, points, strict=True)
+        return 1.0, 0.0
+    kept = float(count @ [p.power[darks].mean() for p in planes]) / count.sum()
+    masked = np.concatenate(
+        [
+            p.outlier_noise[darks][:, own].mean(axis=0)
+            for p, own in zip(planes, points, strict=True)
+        ]
     )
-    number = count.sum() + sum(float(own.sum()) for own in points)
-    return float((kept + masked) / number * count.sum() / kept)
+    share = count.sum() / (count.sum() + masked.size)
+    error = np.hypot(np.linalg.norm(masked) / kept, np.sqrt(2 * count.sum()))
+    more = float(masked.sum()) / kept / count.sum()
+    return float(share * (1 + more)), float(share * error / count.sum())
 
 
 def lost_of(shown: Shown) -> float:
