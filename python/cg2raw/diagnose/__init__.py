@@ -7,17 +7,16 @@
     found = cg2raw.diagnose.diagnose(captures)
     cg2raw.diagnose.write_report(found, "report")
 
-The way of the data, each folder importing only from those before it:
+The way of the data:
 
-captures    files become a CaptureSet: what was measured, what was before the lens
-frames      arrays in the units of the inference
-effects     what can be named: one file is all that the inference knows of one effect
-likelihood  a model and frames become nats
-inference   the likelihood chooses a model, fits it and bounds its values
-assessment  held-out frames become evidence: residual tests, gap, verdict
-report      a Diagnosis becomes files
+captures         files become a CaptureSet: what was measured, what was before the lens
+effects          what can be named: one file for each
+darks_and_flats  their statistics name noise, patterns and offsets (cg2raw.model)
+frames, scenes   images name what happens to light, by one matrix of normal equations
+verdict          test frames become evidence: residual tests, gap, intervals, profile
+report           a Diagnosis becomes files
 
-pipeline is diagnose(): the same sentence as code; diagnosis holds its result.
+pipeline is diagnose(), all of these in their order; diagnosis holds its result.
 """
 
 from importlib import import_module

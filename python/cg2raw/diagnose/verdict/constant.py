@@ -84,13 +84,13 @@ def diagnosis_of(
     fits = [_fit_of(found, [*some, *free, *shapes]) for some in ([], chosen)]
     held_out = [_held_out(one, test) for one in fits]
     model = fits[1]
-    gap, freedom = _gap(captures, found, chosen, held_out, samples, bool(free))
+    gap, freedom = _gap(found, chosen, held_out, samples, bool(free))
     tests = [tests_of(one, model, samples) for one in held_out]
     unnamed = [*unnamed_tests(found.selection.unnamed, samples)]
     gained = gap.before - gap.after
     left = left_over([*tests[1], *unnamed], gained)
     left += chi_square_test(gap.chi2_after, freedom, gained)
-    findings = _findings(captures, found, chosen, bool(left))
+    findings = _findings(found, chosen, bool(left))
     told = sorted(name for split in GROUPS[:2] for name in frames[split])
     is_closed = findings and gap.after <= gap.before
     return Diagnosis(
@@ -206,7 +206,6 @@ def _held_out(fitted: Fit, test: ConstantStatistics) -> Fit:
 
 
 def _gap(
-    captures: CaptureSet,
     found: DarksAndFlats,
     chosen: Sequence[str],
     held_out: Sequence[Fit],
@@ -252,14 +251,12 @@ def _gap(
 
 
 def _findings(
-    captures: CaptureSet,
-    found: DarksAndFlats,
-    chosen: Sequence[str],
-    is_provisional: bool,
+    found: DarksAndFlats, chosen: Sequence[str], is_provisional: bool
 ) -> list[Finding]:
+    sensor = found.captures.sensor
     units = {
         (name, p["name"]): p["unit"]
-        for name, known in registered(captures.sensor.cfa).items()
+        for name, known in registered(sensor.cfa).items()
         for p in known["parameters"]
     }
     values: dict[str, dict[str, Estimate]] = {name: {} for name in chosen}
@@ -274,7 +271,7 @@ def _findings(
             name,
             values[name],
             found.selection.gains[name],
-            captures.sensor,
+            sensor,
             is_provisional,
             [FILTER] if _may_be_filtered(found, name, values[name]) else [],
         )
