@@ -195,7 +195,7 @@ class Diagnosis:
     groups: Mapping[str, Sequence[str]]  # fit, select, report -> names of frames
     pictures: list[Picture] = field(default_factory=list)
     curves: list[Curve] = field(default_factory=list)
-    charts: list[Chart] = field(default_factory=list)  # of darks and flats
+    charts: list[Chart] = field(default_factory=list)
     histogram_before: Histogram | None = None
     histogram_after: Histogram | None = None
     profile_json: str = ""  # the sensor with the effects added

@@ -17,6 +17,8 @@ from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
 from cg2raw.diagnose.effects.catalogue import candidates, of_images
 from cg2raw.diagnose.frames.reader import read_frames
 from cg2raw.diagnose.scenes.decide import decide
+from cg2raw.diagnose.scenes.flicker import NAME as FLICKER
+from cg2raw.diagnose.scenes.flicker import is_shown
 from cg2raw.diagnose.scenes.noise_level import noise_models
 from cg2raw.diagnose.verdict.constant import diagnosis_of, unfinished
 from cg2raw.diagnose.verdict.images import diagnosis_of_images
@@ -83,7 +85,7 @@ def diagnose(
     if statistics and not constant:
         raise ValueError(f"{statistics}: statistics are of darks and flats: none here")
     is_all = len(constant) == len(capture_set.captures)
-    lit = of_images()
+    lit = of_images() | ({FLICKER} if is_shown(capture_set.captures) else set())
     asked = names & (lit | {"black_level"})
     found, images = None, capture_set
     notes: list[str] = []

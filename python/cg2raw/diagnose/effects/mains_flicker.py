@@ -32,7 +32,7 @@ class MainsFlicker(Effect):
         "flicker moves from frame to frame.",
     }
 
-    def waves(self, values: Sequence[float], rows: Array) -> list[Array]:
+    def waves(self, values: Sequence[float] | Array, rows: Array) -> list[Array]:
         """Return waves of light at image rows, relative to it, of independent normal
         numbers of variance 1."""
         amplitude, period = values

@@ -18,7 +18,9 @@ from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.effects.base import Effect, Predicted
 from cg2raw.diagnose.effects.catalogue import candidates, effect
+from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.frames.frame import Frame
+from cg2raw.diagnose.scenes import flicker as waves
 from cg2raw.diagnose.scenes.gram import Array, Gram, Normal, Space, summed
 from cg2raw.diagnose.scenes.model import Model, Term
 from cg2raw.diagnose.scenes.noise import (
@@ -39,6 +41,7 @@ from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
 
 WELL, PHOTONS, BLUR = "full_well", "poisson_shot_noise", "blur"
+FLICKER = waves.NAME
 FIT, SELECT, REPORT = "fit", "select", "report"
 PASSES = 5
 SETTLED = 0.1  # standard errors that a pass still moves values
@@ -66,8 +69,9 @@ class Scenes:
     effects : those with derivatives. known : standard errors of those that darks and
     flats decided, which images correct. theta : (P,) their values beyond the profile's.
     model : the profile, effects at their values, and calibrated noise. nats : of
-    effects without derivatives, on validation frames; shapes : (value, standard error)
-    of each. ended : what came in between, Ctrl-C or the time limit."""
+    effects without derivatives, on validation frames; shapes : values and standard
+    errors of each. least_flicker : the amplitude that validation frames would show.
+    ended : what came in between, Ctrl-C or the time limit."""
 
     capture_set: CaptureSet
     views: Sequence[View]
@@ -85,7 +89,8 @@ class Scenes:
     chosen: Chosen = field(default_factory=lambda: Chosen([], {}, {}))
     grams: Mapping[str, Gram] = field(default_factory=dict)
     nats: dict[str, float] = field(default_factory=dict)
-    shapes: dict[str, tuple[float, float]] = field(default_factory=dict)
+    shapes: dict[str, tuple[Array, Array]] = field(default_factory=dict)
+    least_flicker: float = math.inf
     ended: type[BaseException] | None = None
 
     def __post_init__(self) -> None:
@@ -161,10 +166,18 @@ class Scenes:
         views = [view for view in self.views if view.group == group]
         return self.workers.map(lambda view: self.point(view, model), views)
 
-    def nuisances(self, point: Point) -> list[Nuisance]:
+    def nuisances(self, point: Point, stated: bool = False) -> list[Nuisance]:
+        """stated : flicker is that of the profile, not that which was found."""
         blurred = point.model.term(BLUR) is not None
+        found = self.shapes.get(FLICKER)
+        flicker = self.stated_flicker if stated or found is None else found[0]
         frame, n = point.frame, point.view.n
-        return list(nuisances_of(self.capture_set, frame, n, blurred))
+        return list(nuisances_of(self.capture_set, frame, n, flicker, blurred))
+
+    @property
+    def stated_flicker(self) -> Sequence[float] | None:
+        """(amplitude, period) of the profile's."""
+        return listed_values(self.capture_set.sensor, FLICKER)
 
     def left(self, point: Point) -> Array:
         """Return residuals (T, h, w) without what nuisances take."""
@@ -236,12 +249,14 @@ class Scenes:
         self._fill_well()
         if self._calibrates:
             self._fit_noise()
+        self._find_flicker()
         for turn in range(PASSES):
             say("summing scenes and choosing effects", 0.3 + 0.5 * turn / PASSES)
             if not self._pass():
                 break
         say("judging shapes", 0.8)
         self._refine()
+        self._measure_flicker()
         self._count_photons()
 
     def _pass(self) -> bool:
@@ -417,7 +432,10 @@ class Scenes:
         self.shapes.pop(WELL, None)
         if gain < self.least:
             return term is not None
-        self.nats[WELL], self.shapes[WELL] = gain, (1 - level, error)
+        self.nats[WELL], self.shapes[WELL] = (
+            gain,
+            (np.array([1 - level]), np.array([error])),
+        )
         self.model = bare.with_term(Term(effect(WELL), np.array([1 - level])))
         return term is None or abs(term.values[0] - 1 + level) > SETTLED_WELL
 
@@ -480,6 +498,30 @@ class Scenes:
             return
         self._move(sets)
 
+    def _find_flicker(self) -> None:
+        """Judge whether light comes in waves, and of which period."""
+        if FLICKER not in self.names or self.stated_flicker is not None:
+            return
+        train, validation = (
+            waves.waves_of(self.points_of(one)) for one in (FIT, SELECT)
+        )
+        if train is None or validation is None:
+            return
+        self.least_flicker = validation.smallest(self.least)
+        gain = waves.nats_of(train, validation)
+        if gain >= self.least:
+            self.nats[FLICKER] = gain
+            self._measure_flicker()
+
+    def _measure_flicker(self) -> None:
+        """Measure the waves that were found, in means as well if all else of their
+        light is known."""
+        if FLICKER in self.nats:
+            known = not self.capture_set.nuisances & {"registration", "radiance"}
+            points = [*self.points_of(FIT), *self.points_of(SELECT)]
+            if (found := waves.waves_of(points, known)) is not None:
+                self.shapes[FLICKER] = waves.measured(found)
+
     def _count_photons(self) -> None:
         """Judge whether light is counted by Poisson's law."""
         drawn = self.capture_set.sensor.noise_effects
@@ -490,7 +532,7 @@ class Scenes:
         points = [point for point in points if not point.view.is_table]
         gain = photons(points, self.workers.map(self.left, points))
         if gain >= self.least:
-            self.nats[PHOTONS], self.shapes[PHOTONS] = gain, (1.0, 0.0)
+            self.nats[PHOTONS], self.shapes[PHOTONS] = gain, (np.ones(1), np.zeros(1))
 
     # What test frames say.
 
@@ -505,12 +547,27 @@ class Scenes:
     def residual_tests(self) -> tuple[list[ResidualTest], list[ResidualTest]]:
         """The same."""
         found = []
-        for points in self.test_points:
+        for points, stated in zip(self.test_points, (True, False), strict=True):
             asked = Residuals()
             for point in points:
-                asked.add(point, self.nuisances(point))
+                asked.add(point, self.nuisances(point, stated))
             found.append(asked.tests())
         return found[0], found[1]
+
+    @property
+    def of_flicker(self) -> float:
+        """The part of the squares of test frames that flicker, where it was found, is
+        of."""
+        if FLICKER not in self.shapes:
+            return 0.0
+        squares = np.zeros(2)
+        for point in self.test_points[1]:
+            for k in range(2):
+                nuisances = self.nuisances(point, bool(k))
+                normal = normal_of(point, [], Space.of({}), np.zeros(0), nuisances)
+                own = _without(_without(normal, nuisances, True), nuisances, False)
+                squares[k] += own.products[-1, -1]
+        return float(squares[1] - squares[0])
 
     @property
     def selected(self) -> Predicted:

@@ -9,7 +9,7 @@ error. None of it is written to a profile.
 """
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +21,6 @@ from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.effects import mains_flicker
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import every
-from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.model.figures import NORMAL
@@ -60,11 +59,13 @@ def nuisances_of(
     capture_set: CaptureSet,
     frame: Frame,
     n: int,
+    flicker: Sequence[float] | Array | None = None,
     is_blurred: bool = False,
 ) -> Iterator[Nuisance]:
     """Yield the nuisances of a view of n frames, as its render lies.
 
-    is_blurred : by the lens of the model, whose far wings no effect has."""
+    flicker : amplitude and period of that of the light. is_blurred : by the lens of the
+    model, whose far wings no effect has."""
     free, shows = capture_set.nuisances, frame.capture.shows
     if not shows.light:
         return
@@ -72,7 +73,6 @@ def nuisances_of(
     if not shows.render and "radiance" not in capture_set.uncertainty:
         least["radiance"] = UNEVEN_CHART
     camera = frame.camera.astype(np.float64)
-    flicker = listed_values(capture_set.sensor, mains_flicker.EFFECT.name)
     is_table = frame.samples is not None
     if flicker is not None:
         rows = places(frame)[0] * np.hypot(*frame.tiles.shape) / 2

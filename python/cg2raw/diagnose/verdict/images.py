@@ -12,6 +12,7 @@ import numpy as np
 from cg2raw.cfa import sites_of
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.diagnosis import (
+    Chart,
     DetectionLimit,
     Diagnosis,
     Estimate,
@@ -21,7 +22,8 @@ from cg2raw.diagnose.diagnosis import (
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import effect, heading, title
 from cg2raw.diagnose.scenes.curves import curves_of
-from cg2raw.diagnose.scenes.decide import PHOTONS, WELL, Scenes
+from cg2raw.diagnose.scenes.decide import FLICKER, PHOTONS, WELL, Scenes
+from cg2raw.diagnose.scenes.flicker import series_of, waves_of
 from cg2raw.diagnose.scenes.pictures import histogram, pictures_of
 from cg2raw.diagnose.scenes.predict import variance_left
 from cg2raw.diagnose.scenes.selection import limits
@@ -73,6 +75,7 @@ def diagnosis_of_images(found: Scenes, details: bool) -> Diagnosis:
         curves=curves_of(found.model, values, [point.frame for point in after])
         if details
         else [],
+        charts=list(_charts(found)) if details else [],
         histogram_before=histogram(before),
         histogram_after=histogram(after),
         profile_json=updated_profile(
@@ -105,9 +108,9 @@ def _values(found: Scenes) -> dict[str, dict[str, Estimate]]:
             values[one.name] = _estimates(
                 one, one.used, found.theta[part], errors[part]
             )
-    for name, (value, error) in found.shapes.items():
+    for name, numbers in found.shapes.items():
         one = effect(name)
-        values[name] = _estimates(one, one.parameters, [value], [error])
+        values[name] = _estimates(one, one.parameters, *numbers)
     return values
 
 
@@ -177,7 +180,8 @@ def _shape_findings(
 def _gap(found: Scenes) -> Gap:
     gram = found.grams["report"]
     n = max(gram.n, 1) * variance_left(found.model)
-    chi_squares = gram.squares / n, (gram.squares - 2 * gram.gain(found.theta)) / n
+    squares = gram.squares + found.of_flicker, gram.squares - 2 * gram.gain(found.theta)
+    chi_squares = squares[0] / n, squares[1] / n
     before, after = ((one - 1) / 2 for one in chi_squares)
     half = NORMAL * math.sqrt(0.5 / n)
     return Gap(
@@ -201,6 +205,8 @@ def _limits(found: Scenes) -> Iterator[DetectionLimit]:
         if strengths is not None and np.isfinite(strengths[0]):
             parameter, unit = one.parameters[0], one.units[0]
             yield DetectionLimit(one.name, parameter, float(strengths[0]), unit)
+    if FLICKER not in named and math.isfinite(found.least_flicker):
+        yield DetectionLimit(FLICKER, "amplitude", found.least_flicker, "1")
     for name in (WELL, PHOTONS):
         if name in found.names and name not in named:
             one = effect(name)
@@ -211,6 +217,19 @@ def _limits(found: Scenes) -> Iterator[DetectionLimit]:
             if seen:
                 parameter, unit = one.parameters[0], one.units[0]
                 yield DetectionLimit(name, parameter, float(seen[0]), unit)
+
+
+def _charts(found: Scenes) -> Iterator[Chart]:
+    """Yield the chart of flicker: what test frames that repeat each other differ by."""
+    waves = waves_of(found.test_points[1])
+    if FLICKER in found.shapes and waves is not None:
+        yield Chart(
+            FLICKER,
+            "Light of the rows in the difference of two test frames",
+            "row",
+            "% of the light",
+            (series_of(waves, found.shapes[FLICKER][0]),),
+        )
 
 
 def noise_row(found: Scenes) -> dict[str, Any] | None:

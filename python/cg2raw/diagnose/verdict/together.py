@@ -85,7 +85,7 @@ def together(first: Diagnosis, second: Diagnosis) -> Diagnosis:
             split: list(dict.fromkeys([*names, *second.groups[split]]))
             for split, names in first.groups.items()
         },
-        charts=first.charts,
+        charts=[*first.charts, *second.charts],
         profile_json=second.profile_json or first.profile_json,
     )
 

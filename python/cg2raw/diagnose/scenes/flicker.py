@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+"""Mains flicker: a wave of light down the rows, of another phase in every frame.
+
+It is in what lit frames that repeat each other differ by, where nothing else of light
+is. A wave of even phase is nearly a normal number for its cosine and one for its sine;
+both are integrated out, so that amplitude and period are all that is fitted."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import helmert
+from scipy.optimize import minimize
+from scipy.stats import chi2
+
+from cg2raw.diagnose.captures.capture import Capture
+from cg2raw.diagnose.captures.splits import GROUPS
+from cg2raw.diagnose.diagnosis import Series
+from cg2raw.diagnose.scenes.gram import Array
+from cg2raw.diagnose.scenes.point import Point
+from cg2raw.diagnose.scenes.predict import offset_variances
+from cg2raw.diagnose.scenes.view import View
+from cg2raw.statistics.constant import SMOOTH, polynomials
+
+NAME = "mains_flicker"
+TRAINING, VALIDATION, _ = GROUPS
+SHORTEST = 4.0  # px, as the registry bounds periods
+PADDED = 4  # steps of frequency in that which the rows tell apart
+AMPLITUDES = np.geomspace(1e-4, 0.5, 40)  # relative to light, that are begun with
+AT_ONCE = 256  # frequencies, for the sake of memory
+MOST_SHOWN = 200  # points of a chart
+STEP = 1e-3  # of a value, of which the curvature is taken
+
+
+@dataclass(frozen=True)
+class Waves:
+    """What frames say of light of their rows, relative to that which is predicted, by
+    F differences of repeats that have the noise, and the waves, of one frame.
+
+    score : (F, H), sums over rows. information : (F, H)."""
+
+    score: Array
+    information: Array
+
+    @property
+    def frequencies(self) -> Array:
+        """(K,) turns a row, of one wave in the frame to the shortest."""
+        count = PADDED * self.score.shape[1]
+        found: Array = np.arange(PADDED, count / SHORTEST + 1) / count
+        return found
+
+    def at(self, frequencies: Array) -> tuple[Array, Array]:
+        """Return score (F, K, 2) and information (F, K, 2, 2) of both phases, beside
+        what is smooth down the frame. frequencies : (K,)."""
+        if len(frequencies) > AT_ONCE:
+            parts = np.array_split(frequencies, len(frequencies) // AT_ONCE + 1)
+            first, second = zip(*map(self.at, parts), strict=True)
+            return np.concatenate(first, axis=1), np.concatenate(second, axis=1)
+        count = self.score.shape[1]
+        smooth = polynomials(count)[: SMOOTH + 1]
+        turns = np.exp(2j * np.pi * np.outer(np.arange(count), frequencies))
+        twice, even = self.information @ turns**2, self.information.sum(1)[:, None]
+        own = [[even + twice.real, twice.imag], [twice.imag, even - twice.real]]
+        along = self.information[:, None] * smooth
+        cross = _phases(along @ turns).transpose(0, 2, 3, 1)
+        inner = np.linalg.pinv(along @ smooth.T, hermitian=True)
+        taken = cross @ inner[:, None]
+        rest = (self.score @ smooth.T)[:, None, :, None]
+        score = _phases(self.score @ turns) - (taken @ rest)[..., 0]
+        information = np.moveaxis(np.array(own) / 2, (0, 1), (2, 3))
+        return score, information - taken @ cross.swapaxes(2, 3)
+
+    def unevenness(self) -> float:
+        """Return by how much rows differ at most frequencies, over what their pixels'
+        noise makes: rows have more of their own than a profile says."""
+        score, information = self.at(self.frequencies)
+        solved = np.linalg.pinv(information, hermitian=True) @ score[..., None]
+        squares = (score * solved[..., 0]).sum(axis=(0, 2))
+        return max(float(np.median(squares) / chi2.median(2 * len(score))), 1.0)
+
+    def scaled(self, factor: float) -> "Waves":
+        """Return the same of noise of so many times the variance."""
+        return Waves(self.score / factor, self.information / factor)
+
+    def fitted(self) -> Array:
+        """Return (amplitude, period) of most evidence."""
+        parts, count = self.at(self.frequencies), PADDED * self.score.shape[1]
+        every = np.array([evidence(*parts, one) for one in AMPLITUDES])
+        a, k = np.unravel_index(every.argmax(), every.shape)
+
+        def cost(numbers: Array) -> float:
+            return -self.nats(np.exp(numbers[0]), count / numbers[1])
+
+        start = np.log(AMPLITUDES[a]), self.frequencies[k] * count
+        found = minimize(cost, start, method="Nelder-Mead").x
+        return np.array([np.exp(found[0]), count / found[1]])
+
+    def errors(self, values: Array) -> Array:
+        """Return standard errors of (amplitude, period), by the curvature."""
+        found = []
+        for k in range(2):
+            low, high = (
+                values * (1 + sign * STEP * (np.arange(2) == k)) for sign in (-1, 1)
+            )
+            bent = 2 * self.nats(*values) - self.nats(*low) - self.nats(*high)
+            found.append(STEP * values[k] / np.sqrt(max(bent, 1e-300)))
+        return np.array(found)
+
+    def smallest(self, least: float) -> float:
+        """Return the amplitude from which on waves are expected to gain as much, nats;
+        infinite where none is."""
+        _, information = self.at(self.frequencies)
+        known = np.trace(information, axis1=2, axis2=3) / 2
+        for amplitude in AMPLITUDES:
+            more = amplitude**2 / 2 * known
+            if np.median((more - np.log1p(more)).sum(axis=0)) > least + 1:
+                return float(amplitude)
+        return np.inf
+
+    def nats(self, amplitude: float, period: float) -> float:
+        """Return what waves gain, each of its own phase."""
+        return float(evidence(*self.at(np.array([1 / period])), amplitude)[0])
+
+
+def _phases(turned: Array) -> Array:
+    """Return (..., 2), the parts of complex numbers."""
+    return np.stack([turned.real, turned.imag], axis=-1)
+
+
+def evidence(score: Array, information: Array, amplitude: float) -> Array:
+    """Return the nats (K,) that waves of an amplitude gain, of a score and
+    information as of Waves.at."""
+    variance = amplitude**2 / 2
+    inner = np.eye(2) + variance * information
+    solved = np.linalg.solve(inner, score[..., None])[..., 0]
+    squares = variance * (score * solved).sum(axis=2)
+    found: Array = (squares - np.log(np.linalg.det(inner))).sum(axis=0) / 2
+    return found
+
+
+def nats_of(training: Waves, validation: Waves) -> float:
+    """Return what validation frames gain by the flicker that training frames have."""
+    factor = max(training.unevenness(), validation.unevenness())
+    return validation.scaled(factor).nats(*training.scaled(factor).fitted())
+
+
+def measured(waves: Waves) -> tuple[Array, Array]:
+    """Return (amplitude relative to light, period in rows) and their standard errors:
+    of chance phases, so that an amplitude is known to 1 / (4 F)^0.5 of it at best."""
+    waves = waves.scaled(waves.unevenness())
+    values = waves.fitted()
+    return values, waves.errors(values)
+
+
+def series_of(waves: Waves, values: Array) -> Series:
+    """Return the light of rows, %, in the difference of frames that shows most of a
+    flicker of (amplitude, period), beside what is smooth."""
+    score, information = (one[:, 0] for one in waves.at(np.array([1 / values[1]])))
+    best = int((score**2).sum(axis=1).argmax())
+    inner = information[best] + 2 / values[0] ** 2 * np.eye(2)
+    phases = np.linalg.solve(inner, score[best])
+    known, rows = waves.information[best], np.arange(waves.score.shape[1])
+    seen = np.flatnonzero(known > 0)
+    turns = 2 * np.pi * rows / values[1]
+    wave = phases @ np.stack([np.cos(turns), np.sin(turns)])
+    smooth = polynomials(len(rows))[: SMOOTH + 1, seen]
+    away = (waves.score[best] / np.maximum(known, 1e-300))[seen]
+    along = smooth * known[seen]
+    beside = np.linalg.lstsq(along @ smooth.T, along @ (away - wave[seen]))[0]
+    away = away - smooth.T @ beside
+    bins = np.array_split(np.arange(len(seen)), min(MOST_SHOWN, len(seen)))
+    x, measured, after = (
+        np.array([one[bin].mean() for bin in bins])
+        for one in (rows[seen], 100 * away, 100 * wave[seen])
+    )
+    return Series("", x, measured, np.zeros_like(x), after)
+
+
+def is_shown(captures: Iterable[Capture]) -> bool:
+    """Return whether flicker can be told by images: those that fit, and those that
+    select, have lit frames of pixels that repeat."""
+    sets: Counter[tuple[str, object]] = Counter()
+    for one in captures:
+        is_view = one.scene is not None or one.shows.image
+        if is_view and one.shows.light and one.means is None:
+            sets[one.group, (one.set, one.kind, one.iso, one.exposure_time)] += 1
+    repeated = {group for (group, _), count in sets.items() if count > 1}
+    return {TRAINING, VALIDATION} <= repeated
+
+
+def waves_of(points: Sequence[Point], means: bool = False) -> Waves | None:
+    """Return what the frames of views say; None without lit ones that repeat.
+
+    means : theirs as well, of which all is known but flicker."""
+    found = [
+        one for point in points if shows(point.view) for one in _rows(point, means)
+    ]
+    if not found:
+        return None
+    score, information = map(np.array, zip(*found, strict=True))
+    return Waves(score, information)
+
+
+def shows(view: View) -> bool:
+    """Return whether a view has repeats that flicker would be in."""
+    return view.n > 1 and not view.is_table and view.frame.capture.shows.light
+
+
+def _rows(point: Point, means: bool) -> Iterator[tuple[Array, Array]]:
+    """Yield (score, information) of each difference of a view's frames."""
+    n, count, used = point.view.n, point.frame.tiles.shape[0], point.root > 0
+    rows, _ = point.frame.tiles.rows_and_columns()
+    labels = np.broadcast_to(rows, used.shape)[used]
+    light = np.maximum(point.base, 0)[used]
+    own = offset_variances(point.frame).get("row_noise", 0.0)
+    signals = np.array([frame.signal for frame in point.view.frames])
+    differences = np.tensordot(helmert(n), signals, 1)
+    each = [(one, point.frame_variance) for one in differences]
+    if means and not point.view.is_chart:
+        each.append((np.sqrt(n) * (point.view.signal - point.mean), n * point.variance))
+    for away, variance in each:
+        rest, weight = away[used], 1 / np.broadcast_to(variance, used.shape)[used]
+        along = light * weight
+        score, information = (
+            np.bincount(labels, along * one, count) for one in (rest, light)
+        )
+        if own:  # offsets of rows, integrated out
+            offset, cross, precision = (
+                np.bincount(labels, one, count)
+                for one in (rest * weight, along, weight)
+            )
+            score -= cross * offset / (precision + 1 / own)
+            information -= cross**2 / (precision + 1 / own)
+        yield score, information
