@@ -20,12 +20,15 @@ from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.statistics.constant import GroupInfo
 from model.planted import planted
 from oracles.plain_statistics import plain_statistics
+from tiers import slow
 
 LEAST = float(np.log(len(NAMES) / 0.01))
 # Shapes, which no number of the profile's stands for.
 STRUCTURES = {"bias_structure", "lens_shading"}
 PUT_IN = {"amplifier_glow", "color_shading", "mains_flicker"}  # below
-OTHERS = sorted(set(NAMES) - STRUCTURES - PUT_IN)
+# Of which tests/diagnose shows the same, of frames of the generator.
+ELSEWHERE = ["black_level", "dark_current", "prnu", "read_noise", "row_noise"]
+OTHERS = sorted(set(NAMES) - STRUCTURES - PUT_IN - set(ELSEWHERE))
 
 
 def fits_of(made):
@@ -67,7 +70,7 @@ def test_what_the_profile_has_is_not_named(fits):
 
 
 @pytest.mark.parametrize("fits", [2], indirect=True)
-@pytest.mark.parametrize("name", OTHERS)
+@pytest.mark.parametrize("name", [*OTHERS, *map(slow, ELSEWHERE)])
 def test_what_the_profile_lacks_is_named(fits, name):
     first, second, truth = fits
     lacks = truth.copy()
@@ -101,7 +104,7 @@ def test_spots_may_be_in_the_sensitivity_of_a_profile(fits, stated, spots, names
     [
         (0.8, (1.0, 0.0), False),
         (0.65, (1.0, 0.0), True),
-        (1.2, (1.0, 0.0), True),
+        slow(1.2, (1.0, 0.0), True),
         (1.2, (1.15, 0.01), True),
         (1.2, (1.15, 0.04), False),
     ],

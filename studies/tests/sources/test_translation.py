@@ -41,9 +41,10 @@ def test_frames_are_the_translators_times_the_neutral(told, lights):
         frames.images, frames.scenes, frames.neutrals, words, RENDERS, strict=True
     ):
         assert image.dtype == np.float32
-        assert image == pytest.approx(exposed(render) @ MATRIX.T * neutral, abs=1e-6)
+        wanted = exposed(render) @ MATRIX.T * neutral
+        np.testing.assert_allclose(image, wanted, atol=1e-6)
         developed = told.to_scene(image, illuminant=word)
-        assert scene == pytest.approx(developed, abs=1e-4)
+        np.testing.assert_allclose(scene, developed, atol=1e-4)
 
 
 def test_the_translator_sees_exposed_renders(told):
@@ -78,5 +79,5 @@ def test_balanced_captures_have_no_light_in_them():
     scene = RENDERS[0]
     images = [(2.0 * scene * neutral).astype(np.float32) for neutral in neutrals]
     one, other = balanced(Frames(images, neutrals))
-    assert one == pytest.approx(exposed(scene), abs=1e-6)
-    assert one == pytest.approx(other, abs=1e-6)
+    np.testing.assert_allclose(one, exposed(scene), atol=1e-6)
+    np.testing.assert_allclose(one, other, atol=1e-6)

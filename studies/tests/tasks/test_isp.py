@@ -70,7 +70,7 @@ def test_the_goal_of_spectra_knows_no_camera(small, camera_of):
         frames = real(shots, camera_of(name).sensitivities)
         found.append([scene / np.median(scene) for scene in frames.scenes])
     for one, other in zip(*found, strict=True):
-        assert one == pytest.approx(other, rel=1e-3, abs=1e-4)
+        np.testing.assert_allclose(one, other, rtol=1e-3, atol=1e-4)
 
 
 def test_a_clipped_render_is_white_to_the_learner(small, camera):

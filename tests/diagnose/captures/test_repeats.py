@@ -55,12 +55,12 @@ def test_the_noise_is_that_of_a_frame_without_outliers():
 def test_a_level_knows_its_error(rows, columns):
     """By pixels' noise and by that of whole rows or columns; patterns add nothing."""
     rng = np.random.default_rng(2)
-    frames = rng.normal(BLACK, READ, (400, 60, 80)) + rng.normal(0, 9, (60, 80))
-    frames += rows * rng.standard_normal((400, 60, 1))
-    frames += columns * rng.standard_normal((400, 1, 80))
+    frames = rng.normal(BLACK, READ, (200, 60, 80)) + rng.normal(0, 9, (60, 80))
+    frames += rows * rng.standard_normal((200, 60, 1))
+    frames += columns * rng.standard_normal((200, 1, 80))
     frames[1:, 0, :5] = 4000
     found = series(frames)
-    assert found.levels.std() == pytest.approx(found.error, rel=0.11)  # 3 x 3.5 %
+    assert found.levels.std() == pytest.approx(found.error, rel=0.15)  # 3 x 5 %
     assert abs(found.levels.mean() - BLACK) < 0.5
 
 

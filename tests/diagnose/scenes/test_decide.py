@@ -13,10 +13,13 @@ from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.verdict.images import diagnosis_of_images
 from cg2raw.diagnose.workers import Workers
 from diagnose.planted import BY_NAME, PLANTED, capture_of, drawn, frames_of, sensor_of
+from tiers import slow
 
 SENSOR = sensor_of()
 GROUPS = ("fit", "select", "report")
-SMOOTH = [one for one in PLANTED if one != "full_well"]  # see test_shapes
+# Of which tests/diagnose/test_pipeline.py shows the same, with darks.
+ELSEWHERE = ["exposure", "lens_shading", "gr_gb_imbalance", "black_level"]
+OTHERS = sorted(PLANTED.keys() - {*ELSEWHERE, "full_well"})  # see test_shapes
 
 
 def images(model, seed=7, nuisances=frozenset(), **more):
@@ -52,7 +55,7 @@ def found(model, fits_noise=False, **more):
     return decided(*images(model, **more), fits_noise=fits_noise)
 
 
-@pytest.mark.parametrize("name", SMOOTH)
+@pytest.mark.parametrize("name", [*OTHERS, *map(slow, ELSEWHERE)])
 def test_a_planted_value_is_recovered(name):
     effect, values = BY_NAME[name], np.array(PLANTED[name], float)
     scenes = found(Model(SENSOR).with_effect(effect, values))

@@ -46,9 +46,16 @@ def explained():
     return diagnose(captures_of(prnu=0.01, row_noise=0.3))
 
 
-def test_frames_of_the_profile_are_consistent_with_it():
+@pytest.fixture(scope="module")
+def consistent():
+    """Return a diagnosis of frames of the profile, and the shares of its progress."""
     shares = []
-    found = diagnose(captures_of(), progress=lambda _, share: shares.append(share))
+    given = {"details": False, "progress": lambda _, share: shares.append(share)}
+    return diagnose(captures_of(), **given), shares
+
+
+def test_frames_of_the_profile_are_consistent_with_it(consistent):
+    found, shares = consistent
     assert (found.verdict, found.effects, found.unexplained) == ("consistent", [], [])
     assert shares == sorted(shares) and 0 <= shares[0] < shares[-1] <= 1
     assert found.gap.chi2_after == pytest.approx(1, abs=0.02)
@@ -84,8 +91,8 @@ def test_the_profile_has_what_was_found(explained):
 
 
 def test_noise_goes_into_the_noise_table():
-    found = diagnose(captures_of(read_noise=0.5))
-    assert names(found) == {"read_noise"}
+    found = diagnose(captures_of(read_noise=0.5), details=False)
+    assert names(found) == {"read_noise"} and found.charts == []
     before, after = SENSOR.noise[0], json.loads(found.profile_json)["noise"][0]
     factor = np.exp(found.effects[0].parameters["log_variance"].value)
     assert after["beta2"] == pytest.approx(factor * np.array(before["beta2"]))
@@ -108,39 +115,38 @@ def test_a_profile_is_judged_as_it_is():
 
 def test_what_may_not_be_named_is_not():
     captures = captures_of(prnu=0.01, row_noise=0.3)
-    found = diagnose(captures, without=("prnu",))
-    assert "prnu" not in names(found) and found.verdict == "partially_explained"
-    assert names(diagnose(captures, only=("prnu",))) == {"prnu"}
+    found = diagnose(captures, without=("prnu",), details=False)
+    assert names(found) == {"row_noise"} and found.verdict == "partially_explained"
+    found = diagnose(captures, only=("prnu",), details=False)
+    assert names(found) == {"prnu"}
 
 
-def test_a_name_needs_the_strength_that_is_its_limit():
-    limits = {one.name: one for one in diagnose(captures_of()).detection_limits}
+def test_a_name_needs_the_strength_that_is_its_limit(consistent):
+    limits = {one.name: one for one in consistent[0].detection_limits}
     assert limits["blur"].strength is None
     limit = limits["prnu"].strength
-    named = [
-        "prnu" in names(diagnose(captures_of(seed, prnu=share * limit)))
-        for share in (0.5, 2.0)
-        for seed in (11, 12)
-    ]
-    assert named == [False, False, True, True]
+    for share, is_named in ((0.5, False), (2.0, True)):
+        found = diagnose(captures_of(11, prnu=share * limit), details=False)
+        assert ("prnu" in names(found)) == is_named
 
 
 def test_frames_of_another_iso_or_temperature_are_left_out():
     captures = captures_of()
-    for some in ({"iso": 1.0}, {"temperature": 40.0}):
-        first = replace(captures.captures[0], **some)
-        given = [first, *captures.captures[1:]]
-        if "temperature" in some:
-            given = [first, *(replace(c, temperature=20.0) for c in given[1:])]
-        found = diagnose(replace(captures, captures=given))
-        assert any("1 frame of another" in note for note in found.notes)
-        assert first.name not in sum(found.groups.values(), [])
+    others = [replace(c, temperature=20.0) for c in captures.captures]
+    others[0] = replace(others[0], iso=1.0)
+    others[-1] = replace(others[-1], temperature=40.0)
+    found = diagnose(replace(captures, captures=others), details=False)
+    for what in ("ISO", "temperature"):
+        assert any(f"1 frame of another {what}" in note for note in found.notes)
+    used = sum(found.groups.values(), [])
+    assert not {others[0].name, others[-1].name} & set(used)
+    assert len(used) == len(others) - 2
 
 
 def test_a_profile_without_noise_takes_that_of_the_frames():
     sensor = replace_noise(SENSOR)
     captures = replace(captures_of(row_noise=0.5), sensor=sensor)
-    found = diagnose(captures)
+    found = diagnose(captures, details=False)
     assert names(found) == {"row_noise"}
     assert any("no noise" in note for note in found.notes)
 
@@ -219,7 +225,3 @@ def test_charts_of_levels_shapes_and_neighbours_show_what_was_hidden():
                 for of in (one.before, one.after)
             )
             assert left < (1.0 if name == "hot_pixels" else 0.2) * off, name
-
-
-def test_without_details_nothing_is_drawn():
-    assert diagnose(captures_of(prnu=0.01), details=False).charts == []

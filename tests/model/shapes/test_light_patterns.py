@@ -10,6 +10,7 @@ from cg2raw.model.shapes.pdaf_pixels import _mean
 from cg2raw.statistics.constant import ConstantStatistics, GroupInfo
 from cg2raw.statistics.lattice import _beside_neighbours, lattice_of
 from model.shapes.planted import BLACK, GAIN, SHAPE, darks, shown, statistics_of
+from tiers import slow
 
 LEAST = np.log(33 / 0.01)
 ROWS, COLUMNS = np.indices(SHAPE)
@@ -67,17 +68,17 @@ def named(transmission, **more):
 @pytest.mark.parametrize(
     ("transmission", "names"),
     [
-        (np.ones(SHAPE), set()),
+        slow(np.ones(SHAPE), set()),
         (pixels(0.02), set()),
-        (lattice(), {"pdaf_pixels"}),
+        slow(lattice(), {"pdaf_pixels"}),
         (lattice(pitch=9, row=5, gain=0.05) * pixels(0.01), {"pdaf_pixels"}),
         (spots(0.03), {"dust"}),
-        (spots(0.2) * pixels(0.01), {"dust"}),
+        slow(spots(0.2) * pixels(0.01), {"dust"}),
         (spots(0.05) * lattice(), {"dust", "pdaf_pixels"}),
         (2 - spots(0.05), set()),  # brighter spots
         (spots(0.08, radius=12.0) / spots(0.08, radius=6.0), set()),  # rings
-        (1 - 0.3 * ((ROWS - 48) ** 2 + (COLUMNS - 60) ** 2) / 5904, set()),
-        (1 + 0.02 * np.sin(COLUMNS / 3.0), set()),  # columns
+        slow(1 - 0.3 * ((ROWS - 48) ** 2 + (COLUMNS - 60) ** 2) / 5904, set()),
+        slow(1 + 0.02 * np.sin(COLUMNS / 3.0), set()),  # columns
     ],
 )
 def test_each_has_its_name(transmission, names):
