@@ -2,12 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """Darks and flats drawn from a profile whose effects are known."""
 
-import json
-
 import numpy as np
 
-from cg2raw import Sensor
 from cg2raw.calibration import UniformFrame
+from diagnose import planted
 
 ISO = 100.0
 BLACK, WHITE = 256.0, 16383
@@ -27,23 +25,8 @@ PATTERNS = {
 
 def sensor_of(effects=None, shape=SHAPE, **fields):
     """Return a 14-bit Bayer sensor with @effects, {name: {parameter: value}}."""
-    profile = json.loads(Sensor("canon-70d").to_json())
-    profile.pop("noise_effects", None)
-    betas = {"beta1": [1 / (GAIN * RANGE)] * 4, "beta2": [(READ / RANGE) ** 2] * 4}
-    profile |= {
-        "id": "planted",
-        "bits": 14,
-        "black_level": [BLACK] * 4,
-        "white_level": WHITE,
-        "width": shape[1],
-        "height": shape[0],
-        "noise": [{"iso": ISO, **betas}],
-        "effects": [
-            {"name": name, "parameters": values}
-            for name, values in (effects or {}).items()
-        ],
-    }
-    return Sensor.from_json(json.dumps(profile | fields), "planted")
+    size = {"width": shape[1], "height": shape[0]}
+    return planted.sensor_of(GAIN * RANGE, GAIN * READ, effects, **size, **fields)
 
 
 def frames_of(sensor, seed=1, biases=6, darks=6, flats=6, **more):
@@ -66,6 +49,12 @@ def frames_of(sensor, seed=1, biases=6, darks=6, flats=6, **more):
         raw = drawn(sensor, shape, light, time, seed, number, shift)
         found.append(UniformFrame(f"{kind}-{number}", kind, raw, time, ISO))
     return found
+
+
+def frame_of(number, kind, dn, time=0.0, white=WHITE):
+    """Return the frame whose codes are DN, rounded and clipped. time : s."""
+    raw = np.clip(np.rint(dn), 0, white).astype(np.uint16)
+    return UniformFrame(f"{kind}-{number}", kind, lambda: raw, time, ISO)
 
 
 def drawn(sensor, shape, light, time, seed, number, shift):

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration.planted import BLACK, GAIN, WHITE, frames_of, sensor_of
-from cg2raw.calibration import UniformFrame, calibrate
+from calibration.planted import BLACK, GAIN, WHITE, frame_of, frames_of, sensor_of
+from cg2raw.calibration import calibrate
 
 SHAPE = (128, 160)
 SENSOR = sensor_of({"prnu": {"sigma": 0.006}}, shape=SHAPE)
@@ -85,8 +85,7 @@ def test_dust_and_steep_shading_are_no_defects():
 
     def frame(kind, number, above):
         noise = np.sqrt(above / GAIN + 9) * rng.normal(size=SHAPE)
-        raw = np.rint(BLACK + above + noise).astype(np.uint16)
-        return UniformFrame(f"{kind}-{number}", kind, lambda: raw, 1.0, 100.0)
+        return frame_of(number, kind, BLACK + above + noise, 1.0)
 
     frames = [frame("dark", n, 0 * light) for n in range(2)]
     frames += [frame("flat", n, light) for n in range(2)]
@@ -102,10 +101,7 @@ def vignetted(seconds, seed, kind="flat", well=np.inf):
     response *= 1 + 0.005 * np.random.default_rng(0).normal(size=response.shape)
     light = 14500 * seconds * response if kind == "flat" else 0 * response
     above = np.minimum(rng.poisson(light * GAIN), well) / GAIN
-    raw = np.clip(np.rint(above + rng.normal(BLACK, 3, SHAPE)), 0, WHITE)
-    time = seconds if kind == "flat" else 0.0
-    pixels = raw.astype(np.uint16)
-    return UniformFrame(f"{kind}-{seed}", kind, lambda: pixels, time, 100.0)
+    return frame_of(seed, kind, above + rng.normal(BLACK, 3, SHAPE), seconds)
 
 
 @pytest.mark.parametrize("well", [np.inf, 14000 * GAIN])

@@ -5,12 +5,10 @@ together, found one by one, and written into the profile."""
 
 import json
 
-import numpy as np
 import pytest
 
 from calibration.planted import RANGE, frames_of, sensor_of
 from cg2raw.calibration import calibrate
-from cg2raw.calibration.structure import glow, ramp_and_edge
 
 EFFECTS = {
     "bias_structure": {
@@ -53,28 +51,3 @@ def test_each_is_found_among_all(found, name):
 
 def test_nothing_else_is_found(found):
     assert set(found) == set(EFFECTS)
-
-
-def test_structure_of_columns():
-    rng = np.random.default_rng(3)
-    columns = np.arange(320)
-    profile = 4 * (columns / 320 - 0.5) + 12 * np.exp(-columns / 12)
-    ramp, edge, length, fitted = ramp_and_edge(profile + rng.normal(0, 0.5, 320))
-    for measured, truth in ((ramp, 4.0), (edge, 12.0), (length, 12.0)):
-        assert abs(measured.value - truth) < 3 * measured.standard_error, measured
-    # Four parameters of 320 columns: 0.5 DN times the root of 4 in 320.
-    assert np.std(fitted - profile) < 2 * 0.5 * np.sqrt(4 / 320)
-
-
-def test_glow_of_a_corner():
-    rows, cols = np.mgrid[:256, :320]
-    far = np.hypot(256 - rows, cols) / (np.hypot(256, 320) / 2)
-    rng = np.random.default_rng(5)
-    rate = 0.8 + 1.5 * np.exp(-far / 0.15) + rng.normal(0, 0.1, rows.shape)
-    g = glow(rate.astype(np.float32))
-    assert g.stands_out
-    assert (g.row.value, g.column.value) == pytest.approx((1.0, -1.0), abs=0.01)
-    assert g.per_second.value == pytest.approx(1.5, rel=0.05)
-    assert g.extent.value == pytest.approx(0.15, rel=0.05)
-    flat = glow(rng.normal(0.8, 0.1, rows.shape).astype(np.float32))
-    assert not flat.stands_out

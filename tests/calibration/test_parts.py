@@ -5,8 +5,9 @@
 import numpy as np
 import pytest
 
+from calibration.planted import frame_of
 from cg2raw import Sensor
-from cg2raw.calibration import UniformFrame, calibrate
+from cg2raw.calibration import calibrate
 from oracles import cameras
 
 SHAPE = (96, 128)
@@ -29,12 +30,8 @@ def frames_of(offset=0.0, gain=1.0, noise=1.0, light=1.0):
         level = 6000 * (number > 3)
         charge = rng.poisson(level * GAIN * response * light, SHAPE)
         above = charge / GAIN * gain + rng.normal(0, READ, SHAPE) * noise
-        raw = np.clip(np.rint(above + BLACK + offset), 0, 16383).astype(np.uint16)
-        kind = "flat" if level else "dark"
-        seconds = 1.0 if level else 0.0
-        frames.append(
-            UniformFrame(f"{kind}-{number}", kind, lambda raw=raw: raw, seconds, 100.0)
-        )
+        kind, seconds = ("flat", 1.0) if level else ("dark", 0.0)
+        frames.append(frame_of(number, kind, above + BLACK + offset, seconds))
     return frames
 
 

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 
-from calibration.planted import BLACK, GAIN, READ, WHITE, sensor_of
+from calibration.planted import BLACK, GAIN, READ, WHITE, frame_of, sensor_of
 from cg2raw import Sensor
 from cg2raw.calibration import UniformFrame, calibrate
 from oracles import cameras
@@ -30,10 +30,8 @@ def swept(loss=0.0, early=0.0, well=np.inf):
         light = (time + early) * (1 - loss * min(time, 1.0)) * (kind == "flat")
         above = rng.poisson(light * RANGE * GAIN, SHAPE) / GAIN
         above = np.minimum(above, well * RANGE)
-        raw = np.rint(above + rng.normal(BLACK, READ, SHAPE))
-        pixels = np.clip(raw, 0, WHITE).astype(np.uint16)
-        take = lambda pixels=pixels: pixels  # noqa: E731
-        frames.append(UniformFrame(f"{kind}-{number}", kind, take, time, 100.0))
+        dn = above + rng.normal(BLACK, READ, SHAPE)
+        frames.append(frame_of(number, kind, dn, time))
     return calibrate(SENSOR, frames)
 
 

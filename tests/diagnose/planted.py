@@ -11,6 +11,7 @@ import numpy as np
 from cg2raw import Sensor
 from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.effects.catalogue import candidates
 from cg2raw.diagnose.frames.frame import frame_of, source_of
 from cg2raw.diagnose.frames.tiling import tiling
@@ -46,15 +47,23 @@ PLANTED = {
 }
 
 
-def sensor_of(full_well=FULL_WELL, read_noise=READ_NOISE, **fields):
+def sensor_of(full_well=FULL_WELL, read_noise=READ_NOISE, effects=None, **fields):
     """Return a Bayer sensor of fine DN (9 per read noise), the same at all sites.
 
-    fields : of its profile, in place of what it has."""
+    effects : name -> parameters, that its profile states. fields : of its profile, in
+    place of what it has."""
     profile = json.loads(Sensor("canon-70d").to_json())
     levels = {"bits": 14, "black_level": [256.0] * 4, "white_level": 16383}
-    profile.update({"id": "planted", **levels, "effects": [], **fields})
-    bare = Sensor.from_json(json.dumps(profile), "planted")
-    return with_noise(bare, full_well, read_noise, ISO)
+    profile |= {"id": "planted", **levels, "effects": listed(effects or {}), **fields}
+    sensor = Sensor.from_json(json.dumps(profile), "planted")
+    if "noise" in fields:
+        return sensor
+    return with_noise(sensor, full_well, read_noise, ISO)
+
+
+def listed(effects):
+    """Return effects, name -> parameters, as a profile lists them."""
+    return [{"name": name, "parameters": values} for name, values in effects.items()]
 
 
 def x_trans():
@@ -113,6 +122,25 @@ def captures_of(kinds, group="fit", **more):
     ]
 
 
+def standard_set(shape, **more):
+    """Return captures without pixels: two darks, two flats and two frames of a scene in
+    each group."""
+    captures = []
+    for number, group in enumerate(GROUPS):
+        for repeat in range(2):
+            name = f"{group}{repeat}"
+            given = {"group": group, "shape": shape, **more}
+            dark = {"exposure_time": 0.5 + repeat, "name": f"dark-{name}"}
+            flat = {"level": 0.2 + 0.4 * repeat, "name": f"flat-{name}"}
+            scene = {"set": f"scene-{group}", "name": f"scene-{name}"}
+            captures += [
+                capture_of("dark", 7 * number + repeat, **{**dark, **given}),
+                capture_of("flat", 7 * number + repeat, **{**flat, **given}),
+                capture_of("scene", number, **{**scene, **given}),
+            ]
+    return captures
+
+
 def frames_of(sensor, captures, pixels=65536):
     """Return the frames of captures, as the engine makes them."""
     capture_set = CaptureSet(sensor, captures)
@@ -168,10 +196,7 @@ def shot_by_registry(sensor, effects, seed=1, shape=(112, 144)):
     simulation of a sensor with effects, to be diagnosed as frames of one without them.
 
     effects : name -> parameters."""
-    profile = json.loads(sensor.to_json())
-    profile["effects"] = [
-        {"name": name, "parameters": values} for name, values in effects.items()
-    ]
+    profile = json.loads(sensor.to_json()) | {"effects": listed(effects)}
     planted = Sensor.from_json(json.dumps(profile), "planted")
     bare_captures = simulate_captures(sensor, {}, seed=seed, shape=shape, twice=True)
     return replace(simulated(bare_captures, planted), sensor=sensor)

@@ -11,6 +11,7 @@ import pytest
 from cg2raw import Sensor
 from cg2raw.diagnose import diagnose
 from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.captures.reader import in_groups
 from cg2raw.diagnose.captures.splits import GROUPS
 from diagnose.closed_loop import by_registry, simulated
 from diagnose.planted import READ, capture_of, sensor_of
@@ -28,9 +29,7 @@ DARK = {"per_second": 0.4 * READ}
 
 
 def with_effects(**settings):
-    listed = [{"name": name, "parameters": v} for name, v in settings.items()]
-    profile = json.loads(SENSOR.to_json())
-    return Sensor.from_json(json.dumps({**profile, "effects": listed}), "true")
+    return sensor_of(effects=settings)
 
 
 def shots():
@@ -166,3 +165,50 @@ def test_a_structure_that_is_in_the_profile_is_found_where_it_changed():
     for edge in (0.5 * READ, BIAS["edge"]):
         true = with_effects(bias_structure={**BIAS, "edge": edge})
         assert diagnosed(true, known).effects == []
+
+
+COLDER = 0.45  # of the charge
+RATES = {
+    "dark_current": {"per_second": 0.3 * READ},
+    "dark_current_nonuniformity": {"rate": 0.1 * READ, "log_sigma": 0.8},
+    "hot_pixels": {"fraction": 0.01, "rate": 4 * READ},
+    "amplifier_glow": {
+        "per_second": 0.3 * READ, "row": -1.0, "column": 1.0, "extent": 0.3,
+    },
+}  # fmt: skip
+RATE_OF = {"dark_current_nonuniformity": "rate", "hot_pixels": "rate"}
+
+
+def sensor_at(warmth):
+    effects = {"dsnu": {"sigma": 0.3 * READ}}
+    for name, parameters in RATES.items():
+        rate = RATE_OF.get(name, "per_second")
+        effects[name] = {**parameters, rate: warmth * parameters[rate]}
+    return sensor_of(effects=effects)
+
+
+@pytest.mark.slow
+def test_a_colder_sensor_has_less_dark_current_and_no_other_effect():
+    """Single darks do not tell the charge of hot pixels and of the glow from that of
+    all: it is in the dark current, and what is left of it is said."""
+    shots = [
+        capture_of("dark", n, shape=(240, 320), exposure_time=time)
+        for n, time in enumerate((2.0, 4.0, 30.0))
+    ]
+    cold = sensor_at(COLDER)
+    darks = simulated(CaptureSet(cold, shots), cold).captures
+    parts = [part for dark in darks for part in in_groups(dark, None)]
+    found = diagnose(CaptureSet(sensor_at(1.0), parts), details=False, threads=2)
+    assert [effect.name for effect in found.effects] == ["dark_current"]
+    [dark] = found.effects
+    rate = COLDER * RATES["dark_current"]["per_second"]
+    assert rate < dark.parameters["per_second"].value < 1.25 * rate
+    assert "K colder" in dark.sentence
+    assert found.verdict == "partially_explained"
+    assert any("most in darks of 30 s" in left.where for left in found.unexplained)
+    [updated] = [
+        effect
+        for effect in Sensor.from_json(found.profile_json, "updated").effects
+        if effect["name"] == "dark_current"
+    ]
+    assert updated["parameters"]["per_second"] == dark.parameters["per_second"].value

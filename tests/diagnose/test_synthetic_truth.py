@@ -82,12 +82,10 @@ def polynomial_error(bare, hidden):
 def lensfun(folder):
     """Return [(k1, k2, k3)] of lensfun's table that are no artefacts of a fit."""
     with gzip.open(folder / "tables/lens/lensfun_vignetting_pa.csv.gz", "rt") as file:
-        rows = [[float(row[k]) for k in ("k1", "k2", "k3")] for row in _rows(file)]
+        rows = [
+            [float(row[k]) for k in ("k1", "k2", "k3")] for row in csv.DictReader(file)
+        ]
     return [row for row in rows if polynomial_transmission(row, (48, 64)).min() > 0]
-
-
-def _rows(file):
-    return csv.DictReader(file)
 
 
 @pytest.mark.slow
@@ -163,7 +161,8 @@ def pixel_noise(folder, model, iso):
     """Return a noise row of variance b1 DN + b2, DN with the black level of 64."""
     black, span = 64, 1023 - 64
     with open(folder / "tables/noise/samsung_pixel_model_params.csv") as file:
-        rows = [r for r in _rows(file) if (r["model"], r["iso"]) == (model, str(iso))]
+        every = csv.DictReader(file)
+        rows = [r for r in every if (r["model"], r["iso"]) == (model, str(iso))]
     rows.sort(key=lambda row: int(row["bayer_pos_00_01_10_11"]))
     slope = np.array([float(row["beta1_DN"]) for row in rows])
     offset = np.array([float(row["beta2_DN2"]) for row in rows])

@@ -121,20 +121,28 @@ def test_noise_of_a_profile_beside_tails(fits, of_profile, whole, is_named):
     assert ("read_noise" in found) == is_named
 
 
+def fits_of_darks(seed, times, level, frames=3):
+    """Return fits of two halves: of each time so many frames, whose noise is 2 DN.
+
+    level : (s) -> DN, of all pixels or (112, 144)."""
+    rng, fits = np.random.default_rng(seed), []
+    for _ in range(2):
+        groups = []
+        for time in times:
+            drawn = level(time) + 2 * rng.standard_normal((frames, 112, 144))
+            info = GroupInfo("dark", tuple("abc")[:frames], time)
+            groups.append((info, list(np.rint(drawn).astype(np.uint16))))
+        fits.append(fit(plain_statistics(groups, 2, 4095)))
+    return fits
+
+
 @pytest.mark.parametrize(("dsnu", "names"), [(1.0, []), (0.0, ["dsnu"])])
 def test_offsets_of_pixels_with_dark_current(dsnu, names):
     """1 DN of offset and 0.1 DN/s that are the same pattern: no profile says so, and
     one that has both is right."""
-    rng, fits = np.random.default_rng(13), []
-    pattern = rng.standard_normal((112, 144))
-    for _ in range(2):
-        groups = []
-        for time in (0.0, 10.0):
-            drawn = 600 + (1 + 0.1 * time) * pattern
-            drawn = drawn + 2 * rng.standard_normal((3, 112, 144))
-            codes = list(np.rint(drawn).astype(np.uint16))
-            groups.append((GroupInfo("dark", tuple("abc"), time), codes))
-        fits.append(fit(plain_statistics(groups, 2, 4095)))
+    pattern = np.random.default_rng(13).standard_normal((112, 144))
+    times = (0.0, 10.0)
+    fits = fits_of_darks(14, times, lambda time: 600 + (1 + 0.1 * time) * pattern)
     parameters = fits[0].parameters
     null = profile(parameters)
     null[parameters.of("dsnu")] = dsnu
@@ -190,15 +198,7 @@ def profile(parameters):
 def test_levels_are_named_by_frames_that_tell_their_drift(frames, names):
     """Darks of two times, 3 DN above the profile's black level: of one frame each, a
     drift of 3 DN is as likely."""
-    rng, fits = np.random.default_rng(12), []
-    for _ in range(2):
-        drawn = 603 + 2 * rng.standard_normal((2, frames, 112, 144))
-        codes = np.rint(drawn).astype(np.uint16)
-        groups = [
-            (GroupInfo("dark", tuple("ab")[:frames], time), list(some))
-            for time, some in zip((0.0, 5.0), codes, strict=True)
-        ]
-        fits.append(fit(plain_statistics(groups, 2, 4095)))
+    fits = fits_of_darks(12, (0.0, 5.0), lambda time: 603, frames)
     found = selection(*fits, profile(fits[0].parameters), LEAST)
     assert found.kept(LEAST) == names
     assert (set(found.gains) & set(LEVELS) != set()) == bool(names)
@@ -207,14 +207,7 @@ def test_levels_are_named_by_frames_that_tell_their_drift(frames, names):
 def test_levels_that_agree_are_no_drift():
     """Three darks each of two times, 0.15 DN below the black level and, by charge of
     3 s, 0.15 DN above it: a drift of as much would move frames of one time, too."""
-    rng, fits = np.random.default_rng(14), []
-    for _ in range(2):
-        groups = []
-        for time, level in ((0.0, 599.85), (3.0, 600.15)):
-            drawn = level + 2 * rng.standard_normal((3, 112, 144))
-            codes = list(np.rint(drawn).astype(np.uint16))
-            groups.append((GroupInfo("dark", tuple("abc"), time), codes))
-        fits.append(fit(plain_statistics(groups, 2, 4095)))
+    fits = fits_of_darks(14, (0.0, 3.0), lambda time: 599.85 + 0.1 * time)
     found = selection(*fits, profile(fits[0].parameters), LEAST)
     assert set(found.kept(LEAST)) == {"black_level", "dark_current"}
     assert set(found.unsure) == {"black_level", "dark_current"}
@@ -223,17 +216,8 @@ def test_levels_that_agree_are_no_drift():
 def test_first_columns_are_neither_level_nor_drift():
     """A pedestal that settles by 1 DN over 30 columns, with noise of 2 DN, is lower in
     the mean by 0.2 DN, 5 of its errors."""
-    rng = np.random.default_rng(11)
     settling = 600 - np.exp(-np.arange(144) / 30) + 0.5 * np.linspace(-1, 1, 144)
-    fits = []
-    for _ in range(2):
-        drawn = settling + 2 * rng.standard_normal((2, 3, 112, 144))
-        codes = np.rint(drawn).astype(np.uint16)
-        groups = [
-            (GroupInfo("dark", tuple("abc"), time), list(frames))
-            for time, frames in zip((0.0, 5.0), codes, strict=True)
-        ]
-        fits.append(fit(plain_statistics(groups, 2, 4095)))
+    fits = fits_of_darks(11, (0.0, 5.0), lambda time: settling)
     found = selection(*fits, profile(fits[0].parameters), LEAST).kept(LEAST)
     assert found == ["bias_structure"]
 

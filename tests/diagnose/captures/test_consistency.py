@@ -12,9 +12,10 @@ from diagnose import capture_files as files
 from dng import dng_files
 
 
-def bad_sets(folder):
-    """Yield (name, lines of frames, words of the message, top lines)."""
-    sensor = f"sensor: {files.SENSOR}"
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Return a folder of frames and of files that are none, or of another kind."""
+    folder = tmp_path_factory.mktemp("files")
     for name in ("a.npy", "b.npy"):
         files.frame(folder, name, frame=ord(name[0]))
     files.frame(folder, "a.dng")
@@ -30,100 +31,64 @@ def bad_sets(folder):
     dng_files.write(folder / "bggr.dng", files.other_sensor(cfa="BGGR"))
     dng_files.write(folder / "bits.dng", files.other_sensor(bits=14, white_level=16000))
     dng_files.write(folder / "white.dng", files.other_sensor(white_level=900))
-
-    def dark(name, more=""):
-        return f"{{file: {name}, kind: dark{more}}}"
-
-    a = dark("a.npy")
-    yield "twice", [a, dark("./a.npy")], [":4: frames[1].file", "is that of line 3"]
-    yield "copy", [a, dark("copy.npy")], [":4: frames[1].file", "the bytes of that of"]
-    for name, size in (("two_rows", "64x2"), ("three_columns", "3x48")):
-        words = f":3: frames[0].file {name}.npy is {size}; frames must be at least 4 p"
-        yield name, [dark(f"{name}.npy")], [words]
-    yield "size", [a, dark("small.npy")], ["small.npy is 4x4, a.npy 64x48; all frames"]
-    yield (
-        "type",
-        [dark("float.npy")],
-        ["float.npy: raw must be (H, W) uint16"],
-    )
-    yield "no array", [dark("text.npy")], ["text.npy: is no .npy file, or cut off"]
-    yield "cut DNG", [dark("cut.dng")], [":3: frames[0].file cannot be used", "cut.dng"]
-    yield "no RAW", [dark("text.nef")], ["text.nef: LibRaw cannot read it"]
-    yield "CFA", [dark("bggr.dng")], ["its CFA is BGGR, that of samsung-s20fe"]
-    yield "bits", [dark("bits.dng")], ["bits.dng: its bit depth is 14, that of"]
-    yield (
-        "white",
-        [dark("white.dng")],
-        ["say white level 900 DN, samsung-s20fe 1023 DN"],
-    )
-    yield (
-        "render",
-        ["{file: a.dng, kind: scene, scene: small_render.npy}"],
-        ["[0].scene small_render.npy is 8x8, the frames are 64x48; it must"],
-    )
-    yield (
-        "render of another kind",
-        ["{file: a.dng, kind: scene, scene: text.nef}"],
-        ["frames[0].scene cannot be used"],
-    )
-    yield (
-        "mask",
-        [dark("a.npy", ", mask: small.npy")],
-        ["[0].mask small.npy is 4x4, the"],
-    )
-    top = f"{sensor}\nmask: small.npy"
-    yield "mask of all", [a], ["captures.yaml:2: mask small.npy is 4x4, the"], top
-    yield "light", [dark("a.npy", ", illuminant: sunny")], ['illuminant is "sunny":']
-    yield "ISO", [dark("a.npy", ", iso: 9e6")], ["iso 9e+06, of a.npy:"]
-    yield (
-        "set of two kinds",
-        [dark("a.npy", ", set: s"), "{file: a.dng, kind: flat, scene: 1, set: s}"],
-        [':4: frames[1].set "s" holds a flat here and a dark in line 3'],
-    )
-    yield (
-        "set of two groups",
-        [
-            dark("a.npy", ", set: s, group: fit"),
-            dark("b.npy", ", set: s, group: report"),
-        ],
-        [':4: frames[1].group is "report", but that of set "s" in line 3 is "fit"'],
-    )
-    yield (
-        "no report",
-        [dark("a.npy", ", group: fit"), dark("b.npy", ", group: select")],
-        ['no frame is left for the group "report"'],
-    )
-    yield "sensor", [a], ['captures.yaml:1: sensor is "nikon"'], "sensor: nikon"
-    yield "profile", [a], ['sensor is "./x.json"'], "sensor: ./x.json"
-    yield "DNG as sensor", [a], ['sensor is "cut.dng"'], "sensor: cut.dng"
-    yield (
-        "outside",
-        ["{file: a.dng, kind: chart, patches: [{area: [44, 0, 8, 8], xyz: [1,1,1]}]}"],
-        ["patches[0].area ends at row 52, column 8; the frame has 48 rows"],
-    )
-    yield (
-        "corners outside",
-        ["{file: a.dng, kind: chart, chart: colorchecker, "
-         "corners: [[1, 1], [1, 99], [30, 60], [30, 1]]}"],
-        ["corners: [1, 99] is outside the frame"],
-    )  # fmt: skip
-    yield (
-        "corners crossed",
-        ["{file: a.dng, kind: chart, chart: colorchecker, "
-         "corners: [[1, 1], [30, 60], [1, 60], [30, 1]]}"],
-        ["corners: are no quadrangle"],
-    )  # fmt: skip
+    return folder
 
 
-def test_files_that_do_not_belong_together(tmp_path):
-    for name, lines, words, *top in bad_sets(tmp_path):
-        path = files.manifest(tmp_path, lines, *top)
-        with pytest.raises(ValueError) as error:
-            read_captures(path)
-        message = str(error.value)
-        assert message.startswith(str(path)) and "\n" not in message, name
-        for word in words:
-            assert word in message, name
+def dark(name, more=""):
+    return f"{{file: {name}, kind: dark{more}}}"
+
+
+A, TOP = dark("a.npy"), f"sensor: {files.SENSOR}"
+CHART = "file: a.dng, kind: chart"
+CHECKER = f"{CHART}, chart: colorchecker, corners"
+# Lines of frames, words of the message (...: and others), and the manifest's top.
+BAD = [
+    ([A, dark("./a.npy")], ":4: frames[1].file ... is that of line 3", TOP),
+    ([A, dark("copy.npy")], ":4: frames[1].file ... has the bytes of that", TOP),
+    ([dark("two_rows.npy")], "two_rows.npy is 64x2; frames must be at least 4 p", TOP),
+    ([dark("three_columns.npy")], ":3: frames[0].file three_columns.npy is 3x48;", TOP),
+    ([A, dark("small.npy")], "small.npy is 4x4, a.npy 64x48; all frames", TOP),
+    ([dark("float.npy")], "float.npy: raw must be (H, W) uint16", TOP),
+    ([dark("text.npy")], "text.npy: is no .npy file, or cut off", TOP),
+    ([dark("cut.dng")], ":3: frames[0].file cannot be used", TOP),
+    ([dark("text.nef")], "text.nef: LibRaw cannot read it", TOP),
+    ([dark("bggr.dng")], "its CFA is BGGR, that of samsung-s20fe", TOP),
+    ([dark("bits.dng")], "bits.dng: its bit depth is 14, that of", TOP),
+    ([dark("white.dng")], "say white level 900 DN, samsung-s20fe 1023 DN", TOP),
+    (["{file: a.dng, kind: scene, scene: small_render.npy}"],
+     "[0].scene small_render.npy is 8x8, the frames are 64x48; it must", TOP),
+    (["{file: a.dng, kind: scene, scene: text.nef}"],
+     "frames[0].scene cannot be used", TOP),
+    ([dark("a.npy", ", mask: small.npy")], "[0].mask small.npy is 4x4, the", TOP),
+    ([A], "captures.yaml:2: mask small.npy is 4x4, the", f"{TOP}\nmask: small.npy"),
+    ([dark("a.npy", ", illuminant: sunny")], 'illuminant is "sunny":', TOP),
+    ([dark("a.npy", ", iso: 9e6")], "iso 9e+06, of a.npy:", TOP),
+    ([dark("a.npy", ", set: s"), "{file: a.dng, kind: flat, scene: 1, set: s}"],
+     ':4: frames[1].set "s" holds a flat here and a dark in line 3', TOP),
+    ([dark("a.npy", ", set: s, group: fit"), dark("b.npy", ", set: s, group: report")],
+     ':4: frames[1].group is "report", but that of set "s" in line 3 is "fit"', TOP),
+    ([dark("a.npy", ", group: fit"), dark("b.npy", ", group: select")],
+     'no frame is left for the group "report"', TOP),
+    ([A], 'captures.yaml:1: sensor is "nikon"', "sensor: nikon"),
+    ([A], 'sensor is "./x.json"', "sensor: ./x.json"),
+    ([A], 'sensor is "cut.dng"', "sensor: cut.dng"),
+    ([f"{{{CHART}, patches: [{{area: [44, 0, 8, 8], xyz: [1,1,1]}}]}}"],
+     "patches[0].area ends at row 52, column 8; the frame has 48 rows", TOP),
+    ([f"{{{CHECKER}: [[1, 1], [1, 99], [30, 60], [30, 1]]}}"],
+     "corners: [1, 99] is outside the frame", TOP),
+    ([f"{{{CHECKER}: [[1, 1], [30, 60], [1, 60], [30, 1]]}}"],
+     "corners: are no quadrangle", TOP),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("lines", "words", "top"), BAD, ids=range(len(BAD)))
+def test_files_that_do_not_belong_together(folder, lines, words, top):
+    path = files.manifest(folder, lines, top)
+    with pytest.raises(ValueError) as error:
+        read_captures(path)
+    message = str(error.value)
+    assert message.startswith(str(path)) and "\n" not in message
+    assert all(word in message for word in words.split("..."))
 
 
 def test_levels_that_differ_a_little_are_noted(tmp_path):

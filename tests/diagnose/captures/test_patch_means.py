@@ -7,7 +7,7 @@ import pytest
 
 import cg2raw
 from cg2raw.diagnose.captures.chart import COLORCHECKER_NAMES
-from cg2raw.diagnose.captures.chart_table import places_of, plain
+from cg2raw.diagnose.captures.chart_table import plain
 from cg2raw.diagnose.captures.check import check
 from cg2raw.diagnose.captures.patch_means import Table, with_bounds
 from cg2raw.diagnose.captures.reader import read_captures, read_frames
@@ -59,15 +59,6 @@ def test_signal_becomes_dn(tmp_path):
     assert means.sd[0, 0] == pytest.approx(0.1 * (white - black))
     assert means.level_known and means.colors[0, 1] == pytest.approx(1.83, abs=0.03)
     assert any("nobody says how many pixels" in note for note in notes)
-
-
-@pytest.mark.parametrize(
-    ("cfa", "places"),
-    [("RGGB", (0, 1, 2, 3)), ("GRBG", (1, 0, 3, 2)), ("GBRG", (2, 3, 0, 1)),
-     ("BGGR", (3, 2, 1, 0))],
-)  # fmt: skip
-def test_greens_are_told_by_their_rows(cfa, places):
-    assert places_of(cfa) == places
 
 
 @pytest.mark.parametrize(

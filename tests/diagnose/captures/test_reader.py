@@ -10,6 +10,7 @@ from cg2raw.diagnose.captures.reader import read_captures
 from cg2raw.diagnose.captures.splits import GROUPS
 from diagnose import capture_files as files
 from dng import dng_files
+from images import write_image
 
 CANON = "real/canon550d_colorchart_tinydng.dng"
 
@@ -104,13 +105,8 @@ def test_a_gain_multiplies_the_scene(tmp_path):
 
 @pytest.mark.parametrize("ending", ["exr", "tif"])
 def test_a_scene_of_each_format(tmp_path, ending):
-    oiio = pytest.importorskip("OpenImageIO")
     rgb = files.picture()
-    spec = oiio.ImageSpec(rgb.shape[1], rgb.shape[0], 3, "float")
-    image = oiio.ImageOutput.create(str(tmp_path / f"r.{ending}"))
-    image.open(str(tmp_path / f"r.{ending}"), spec)
-    image.write_image(rgb)
-    image.close()
+    write_image(tmp_path / f"r.{ending}", rgb)
     files.frame(tmp_path, "a.npy", rgb)
     line = f"{{file: a.npy, kind: scene, scene: r.{ending}, illuminant: D65}}"
     captures = read_captures(files.manifest(tmp_path, [line]))
@@ -173,13 +169,6 @@ def test_thirds_of_a_chart_are_of_its_patches(tmp_path):
     np.testing.assert_array_equal(masks.sum(axis=0), expected)
 
 
-def test_darks_of_two_times_are_in_each_group(tmp_path):
-    fields = [f"kind: dark, exposure_time: {t}" for t in 3 * (0.1,) + 3 * (2,)]
-    captures = files.read_series(tmp_path, fields).captures
-    for group in GROUPS:
-        assert {c.exposure_time for c in captures if c.group == group} == {0.1, 2.0}
-
-
 @pytest.mark.parametrize(
     ("times", "parts"),
     [((1, 9, 30), 9), ((9, 9, 9), 3), ((1, 9, 9, 30), 4), ((1, 9, 30, 90), 4)],
@@ -192,13 +181,19 @@ def test_darks_that_repeat_in_no_group_are_divided_by_pixels(tmp_path, times, pa
     assert any("exposure time" in note for note in read.notes) == (parts == 9)
 
 
-def test_darks_of_two_temperatures_are_in_each_group(tmp_path):
-    degrees = (20, -10.1, 20.2, -10.3, 20.4, -10.5)
-    fields = [f"kind: dark, exposure_time: 1, temperature: {t}" for t in degrees]
+@pytest.mark.parametrize(
+    ("field", "values"),
+    [
+        ("exposure_time", (0.1, 0.1, 0.1, 2, 2, 2)),
+        ("temperature", (20, -10.1, 20.2, -10.3, 20.4, -10.5)),
+    ],
+)
+def test_darks_of_two_kinds_are_in_each_group(tmp_path, field, values):
+    fields = [f"kind: dark, {field}: {value}" for value in values]
     captures = files.read_series(tmp_path, fields).captures
     for group in GROUPS:
-        warm = [c.temperature > 0 for c in captures if c.group == group]
-        assert sorted(warm) == [False, True]
+        high = [getattr(c, field) > 1 for c in captures if c.group == group]
+        assert sorted(high) == [False, True]
 
 
 def test_the_temperature_of_all_frames_and_of_one(tmp_path):

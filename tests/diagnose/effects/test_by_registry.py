@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
 """Effects that the registry's simulation draws, alone: found with their values, and no
-gap where the profile lists them. What looks alike: tests/diagnose/test_parts.py."""
-
-from dataclasses import replace
+gap where the profile lists them. All by name:
+tests/diagnose/test_darks_and_flats.py."""
 
 import pytest
 
 from cg2raw import Sensor
 from cg2raw.diagnose import diagnose
+from cg2raw.synthetic.captures import draw_hidden, simulate_captures
+from cg2raw.synthetic.sensors import drawn_sensor
+from diagnose.closed_loop import simulated
 from diagnose.planted import sensor_of, shot_by_registry
 from tiers import slow
 
@@ -23,9 +25,9 @@ WIDEST |= {"amplitude": 0.02, "period": 8.0}
     [
         ("mains_flicker", {"amplitude": 0.02, "period": 37.0}, 1),
         slow("mains_flicker", {"amplitude": 0.005, "period": 60.0}, 2),
-        ("pdaf_pixels", {"gain": -0.1, "pitch": 12, "row": 5, "column": 3}, 1),
+        slow("pdaf_pixels", {"gain": -0.1, "pitch": 12, "row": 5, "column": 3}, 1),
         slow("pdaf_pixels", {"gain": 0.02, "pitch": 9, "row": 0, "column": 8}, 2),
-        ("read_noise_correlation", {"coefficient": -0.07}, 1),
+        slow("read_noise_correlation", {"coefficient": -0.07}, 1),
         slow("read_noise_correlation", {"coefficient": 0.25}, 2),
     ],
 )
@@ -44,14 +46,26 @@ def test_it_is_found_with_its_values(name, values, seed):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "values"),
+    "hidden",
     [
-        ("mains_flicker", {"amplitude": 0.03, "period": 25.0}),
-        ("read_noise_correlation", {"coefficient": 0.2}),
+        {"lens_shading": 0.3, "row_noise": 0.3},
+        {"noise_reduction": 0.1},
+        {"prnu": 0.01, "poisson_shot_noise": None},
+        {"full_well": 0.05, "hot_pixels": None},
+        {"heavy_tailed_noise": None, "black_level": None},
+        {"blur": 0.6, "veiling_glare": 0.02},
+        {"mains_flicker": None, "read_noise_correlation": None},
     ],
+    ids="+".join,
 )
-def test_a_profile_that_lists_it_has_no_gap(name, values):
-    captures = shot_by_registry(SENSOR, {name: values}, 3)
-    known = sensor_of(effects=[{"name": name, "parameters": values}])
-    found = diagnose(replace(captures, sensor=known), threads=1, details=False)
-    assert found.verdict == "consistent"
+def test_frames_of_the_found_profile_have_no_gap(hidden):
+    """What the generator hides, simulated by the profile that has what was found."""
+    sensor = drawn_sensor(7)
+    truth = draw_hidden(sensor, hidden, seed=7)
+    captures = simulate_captures(sensor, truth, seed=7, twice=True)
+    found = diagnose(captures, details=False)
+    assert {one.name for one in found.effects} >= set(hidden) - {"poisson_shot_noise"}
+    better = Sensor.from_json(found.profile_json)
+    again = diagnose(simulated(captures, better), details=False)
+    assert again.verdict == "consistent"
+    assert again.gap.chi2_after == pytest.approx(1, abs=0.02)

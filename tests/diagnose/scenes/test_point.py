@@ -106,8 +106,7 @@ def test_excess_widens_edges_and_light():
 def test_patterns_of_pixels_and_of_columns_are_shared():
     """As the covariance of a score whose weights know them."""
     patterns = {"column_fixed_pattern": {"sigma": 4e-3}, "prnu": {"sigma": 0.02}}
-    listed = [{"name": name, "parameters": p} for name, p in patterns.items()]
-    point = at(sensor_of(effects=listed))
+    point = at(sensor_of(effects=patterns))
     [columns] = offsets_of(point)
     used = point.root > 0
     a = np.random.default_rng(3).normal(size=(3, used.sum()))
@@ -124,7 +123,7 @@ def test_patterns_of_pixels_and_of_columns_are_shared():
 
 def test_offsets_of_rows_are_integrated_out():
     """As a covariance of all pixels of a row."""
-    given = sensor_of(effects=[{"name": "row_noise", "parameters": {"sigma": 4e-3}}])
+    given = sensor_of(effects={"row_noise": {"sigma": 4e-3}})
     point = at(given)
     [rows] = offsets_of(point)
     assert (rows.name, rows.sigma) == ("rows", pytest.approx(4e-3, rel=1e-3))

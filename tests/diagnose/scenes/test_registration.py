@@ -10,7 +10,7 @@ import pytest
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.nuisances import nuisances_of
-from cg2raw.diagnose.scenes.registration import Placement, first_guess, warped
+from cg2raw.diagnose.scenes.registration import first_guess, warped
 from diagnose.planted import capture_of, drawn, frames_of
 from diagnose.scenes.test_decide import SENSOR, decided, images
 
@@ -25,16 +25,6 @@ def test_a_first_guess_is_the_best_correlation(shift):
     moved = np.roll(image, shift, (1, 2))
     usable = np.ones(image.shape, bool)
     assert first_guess(moved, image, usable).tolist() == [-shift[0], -shift[1]]
-
-
-def test_a_step_is_the_inverse_of_a_warp():
-    placement = Placement.none()
-    moved, far, brighter = placement.moved(
-        {"row": 0.5, "column v": 0.2, "exposure": 0.1}
-    )
-    assert moved.affine.tolist() == [[0.5, 0, 0], [0, 0.2, 0]]
-    assert moved.gain.tolist() == pytest.approx([1.1] * 3)
-    assert (far, brighter) == (0.5, pytest.approx(0.1))
 
 
 def test_a_smooth_error_of_light_is_of_products_of_legendre_polynomials():

@@ -4,6 +4,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from cg2raw import Sensor
@@ -24,9 +25,7 @@ from diagnose.planted import (
 OLD = {"r2": -0.2, "r4": 0.05, "r6": 0.0, "tilt_x": 0.01, "tilt_y": 0.0}
 OLD |= {"tilt_x_r2": 0.0, "tilt_y_r2": 0.0}
 EFFECTS = {"lens_shading": OLD, "prnu": {"sigma": 0.01}}
-SENSOR = sensor_of(
-    effects=[{"name": n, "parameters": values} for n, values in EFFECTS.items()]
-)
+SENSOR = sensor_of(effects=EFFECTS)
 
 
 def finding(name, half=0.0, **values):
@@ -55,8 +54,8 @@ def test_it_predicts_what_the_model_did(name, values):
     frames = zip(frames_of(SENSOR, captures), frames_of(found, captures), strict=True)
     for frame, again in frames:
         expected, written = predict(model, frame), predict(Model(found), again)
-        assert written.mean == pytest.approx(expected.mean, abs=1e-6)
-        assert written.variance == pytest.approx(expected.variance, rel=1e-4)
+        np.testing.assert_allclose(written.mean, expected.mean, atol=1e-6)
+        np.testing.assert_allclose(written.variance, expected.variance, rtol=1e-4)
 
 
 def test_images_may_correct_values_by_their_errors():
