@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
+#include <vector>
 
 namespace cg2raw {
 namespace {
@@ -125,13 +127,15 @@ std::string as_attribute(std::string_view name, std::string_view value)
 
 ImageFacts image_facts(const ImageSpec& spec, const std::string& name)
 {
-    const ImagePart part { names(spec), samples(spec), !spec.deep && spec.depth <= 1,
-                           stated_metadata(spec) };
+    ImagePart part { names(spec), samples(spec), !spec.deep && spec.depth <= 1,
+                     stated_metadata(spec) };
     // Floats have as many bits as "-d" asks for; whole numbers those of their file, of
     // which a DPX has 10 or 12.
     const bool is_wish = levels_of(part.samples) == 0;
     const int bits = is_wish ? spec.get_int_attribute("oiio:BitsPerSample", 0) : 0;
-    return { { part }, "", final_name(name), std::nullopt, bits, OIIO_VERSION, {} };
+    std::vector<ImagePart> parts; // moved: GCC 12 frees too much where a copy fails
+    parts.push_back(std::move(part));
+    return { std::move(parts), "", final_name(name), std::nullopt, bits, OIIO_VERSION, {} };
 }
 
 ExportOptions attribute_options(const ImageSpec& spec)
