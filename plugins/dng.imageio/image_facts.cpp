@@ -135,7 +135,8 @@ ImageFacts image_facts(const ImageSpec& spec, const std::string& name)
     const int bits = is_wish ? spec.get_int_attribute("oiio:BitsPerSample", 0) : 0;
     std::vector<ImagePart> parts; // moved: GCC 12 frees too much where a copy fails
     parts.push_back(std::move(part));
-    return { std::move(parts), "", final_name(name), std::nullopt, bits, OIIO_VERSION, {} };
+    return { std::move(parts), "", final_name(name), std::nullopt, bits,
+             OIIO_VERSION,     {} };
 }
 
 ExportOptions attribute_options(const ImageSpec& spec)
