@@ -1,11 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Figures of planted sensors and of a real one."""
-
-import csv
-import json
-import os
-from pathlib import Path
+"""Figures of planted sensors; of a real one: tests/calibration/test_ccd.py."""
 
 import numpy as np
 import pytest
@@ -17,10 +12,6 @@ from cg2raw.statistics.constant import GroupInfo
 from cg2raw.statistics.frame_statistics import frame_statistics
 from model.coverage import misses
 from tiers import first_fast
-
-ROOT = Path(__file__).resolve().parents[2]
-REAL = Path(os.environ.get("CG2RAW_REAL_FRAMES", ROOT.parent / "shared/data"))
-BY_HAND = ROOT / "studies/diagnose/frozen/by_hand.json"
 
 
 @pytest.mark.parametrize(("side", "sets"), [(1, 12), (2, 5)])
@@ -64,58 +55,6 @@ def test_read_noise_of_a_fraction_of_a_code(noise):
     assert inside.sum() >= binom.ppf(1e-3, sets, 0.95) and abs(off.mean()) < 1
 
 
-# Where the model measures something else than the plain formulas do, and how far apart
-# the two are: by the model over by hand.
-OTHERWISE = {
-    # Masks leave out pixels of more than 0.6 DN/s, by hand only those above 0.9: these
-    # leak while the bias is read. All but polynomials, not waves of 32 px and shorter.
-    "dsnu": ("DSNU", (0.5, 0.7)),
-    # One column is bright from row 490 on: it is masked here.
-    "column_fixed_pattern": ("fixed column pattern", (0.6, 0.72)),
-    # High-pass by hand, without what is far off; here all that masks leave but
-    # polynomials: 0.3 % beyond six sigma are a seventh of the variance.
-    "prnu": ("PRNU", (1.05, 1.22)),
-}
-LIKEWISE = {
-    "black_level": "black level",
-    "drift": "black level drift",
-    "read_noise": "temporal dark noise",
-    "row_noise": "row noise",
-    "correlation": "correlation, next in row",
-    "dark_current": "dark current",
-    "gain": "gain",
-}
-
-
-@pytest.fixture(scope="module")
-def ccd():
-    """Return {name: Figure} of the 36 real frames."""
-    folder = REAL / "real/ccd"
-    if not folder.is_dir():
-        pytest.skip("no real frames: CG2RAW_REAL_FRAMES names their folder")
-    with (folder / "frames.csv").open(newline="") as file:
-        rows = {row["frame"]: row for row in csv.DictReader(file)}
-    groups, frames = {}, {}
-    for path in sorted(folder.glob("*_-5C.npz")):
-        with np.load(path) as images:
-            for name in images.files:
-                kind = "flat" if path.name.startswith("flat") else "dark"
-                key = kind, float(rows[name]["exposure_s"])
-                groups.setdefault(key, []).append(name)
-                frames[name] = images[name]
-    for names in groups.values():
-        names.sort(key=lambda name: rows[name]["date"])
-    readers = [
-        (
-            GroupInfo(kind, tuple(names), time),
-            [lambda frame=frames[name]: frame for name in names],
-        )
-        for (kind, time), names in sorted(groups.items())
-    ]
-    statistics = frame_statistics(readers, 1, 65535)
-    return {figure.name: figure for figure in figures_of(statistics, fit(statistics))}
-
-
 def test_darks_of_two_splits_repeat_each_other():
     """Their levels scatter about one mean: sd of all eight, not about two means."""
     rng, levels = np.random.default_rng(3), [200, 201, 202, 203, 210, 211, 212, 213]
@@ -134,20 +73,3 @@ def test_darks_of_two_splits_repeat_each_other():
     figures = {one.name: one for one in figures_of(statistics, fit(statistics))}
     drift = figures["black level drift"].value
     assert drift == pytest.approx(np.std(levels, ddof=1), rel=0.02)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", LIKEWISE)
-def test_a_real_sensor_is_as_by_hand(ccd, name):
-    """Within 1 % or two standard errors of the plain formula, whichever is larger."""
-    figure, by_hand = ccd[LIKEWISE[name]], json.loads(BY_HAND.read_text())[name]
-    within = max(0.01 * abs(by_hand["value"]), 2 * by_hand["error"])
-    assert figure.value == pytest.approx(by_hand["value"], abs=within)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", OTHERWISE)
-def test_a_real_sensor_by_another_definition(ccd, name):
-    figure, (low, high) = ccd[OTHERWISE[name][0]], OTHERWISE[name][1]
-    by_hand = json.loads(BY_HAND.read_text())[name]["value"]
-    assert low < figure.value / by_hand < high
