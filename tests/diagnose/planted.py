@@ -184,6 +184,18 @@ def shown(frame, signal):
     return replace(frame, signal=dn / frame.range, at_white=dn >= frame.range)
 
 
+def shown_set(sensor, captures, seed, extra=0.0, model=None):
+    """Return a set of captures whose pixels are drawn from a model, or the profile."""
+    black = np.mean(sensor.black_level)
+    frames = frames_of(sensor, captures, 10**9)
+    result = []
+    for frame in drawn(frames, model or Model(sensor), seed, extra):
+        dn = np.clip(np.round(frame.signal[0] * frame.range + black), 0, None)
+        raw = np.minimum(dn, sensor.white_level).astype(np.uint16)
+        result.append(replace(frame.capture, raw=lambda raw=raw: raw))
+    return CaptureSet(sensor, result)
+
+
 def bare(sensor):
     """Return the sensor with no noise of its own."""
     profile = json.loads(sensor.to_json())

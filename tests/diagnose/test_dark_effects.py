@@ -67,21 +67,6 @@ def missed(finding, planted):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "planted"),
-    [("bias_structure", BIAS), ("amplifier_glow", GLOW), ("black_level_drift", DRIFT)],
-)
-def test_it_is_named_first_with_its_values(name, planted):
-    found = diagnosed(with_effects(**{name: planted}))
-    assert [finding.name for finding in found.effects] == [name]
-    assert found.verdict == "explained"
-    assert missed(found.effects[0], planted) == []
-    (effect,) = Sensor.from_json(found.profile_json, "found").effects
-    assert effect["name"] == name
-    assert set(effect["parameters"]) == set(planted)
-
-
-@pytest.mark.slow
 def test_uneven_dark_current_is_named_with_its_law():
     """Beside the dark current that a profile has."""
     true = with_effects(dark_current=DARK, dark_current_nonuniformity=UNEVEN)

@@ -14,16 +14,14 @@ from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.diagnose.pipeline import diagnose
 from cg2raw.diagnose.scenes.decide import Scenes
-from cg2raw.diagnose.scenes.model import Model
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
 from diagnose.planted import (
     bare,
     capture_of,
-    drawn,
-    frames_of,
     model_of,
     sensor_of,
+    shown_set,
     standard_set,
     x_trans,
 )
@@ -36,17 +34,6 @@ FEW = ("exposure", "read_noise", "black_level", "gr_gb_imbalance")
 def set_of(sensor, seed=1, extra=0.0, shape=SHAPE, model=None, **more):
     """Return the standard set, whose pixels a model draws."""
     return shown_set(sensor, standard_set(shape, **more), seed, extra, model)
-
-
-def shown_set(sensor, captures, seed, extra=0.0, model=None):
-    black = np.mean(sensor.black_level)
-    frames = frames_of(sensor, captures, 10**9)
-    result = []
-    for frame in drawn(frames, model or Model(sensor), seed, extra):
-        dn = np.clip(np.round(frame.signal[0] * frame.range + black), 0, None)
-        raw = np.minimum(dn, sensor.white_level).astype(np.uint16)
-        result.append(replace(frame.capture, raw=lambda raw=raw: raw))
-    return CaptureSet(sensor, result)
 
 
 def run(captures, **more):

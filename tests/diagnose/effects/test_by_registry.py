@@ -11,13 +11,23 @@ from cg2raw.diagnose import diagnose
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
 from diagnose.closed_loop import simulated
-from diagnose.planted import sensor_of, shot_by_registry
+from diagnose.planted import READ, sensor_of, shot_by_registry
 from tiers import slow
 
 SENSOR = sensor_of()
+# Of white, of the order of the read noise of a pixel.
+BIAS = {"horizontal": -READ, "vertical": 0.5 * READ}
+BIAS |= {"edge": 1.5 * READ, "edge_length": 12.0}
+GLOW = {"per_second": READ, "row": -1.0, "column": 0.6, "extent": 0.25}
 # How wide an interval may be. The grid of PDAF pixels is found once, and exact.
-WIDEST = {"gain": 0.01, "coefficient": 0.04, "pitch": 0, "row": 0, "column": 0}
-WIDEST |= {"amplitude": 0.02, "period": 8.0}
+WIDEST = {
+    "pdaf_pixels": {"gain": 0.01, "pitch": 0, "row": 0, "column": 0},
+    "read_noise_correlation": {"coefficient": 0.04},
+    "mains_flicker": {"amplitude": 0.02, "period": 8.0},
+    "bias_structure": dict.fromkeys(BIAS, 0.5 * READ) | {"edge_length": 12.0},
+    "amplifier_glow": dict.fromkeys(GLOW, 0.2),
+    "black_level_drift": {"sigma": 1.5 * READ},
+}
 
 
 @pytest.mark.parametrize(
@@ -29,6 +39,9 @@ WIDEST |= {"amplitude": 0.02, "period": 8.0}
         slow("pdaf_pixels", {"gain": 0.02, "pitch": 9, "row": 0, "column": 8}, 2),
         slow("read_noise_correlation", {"coefficient": -0.07}, 1),
         slow("read_noise_correlation", {"coefficient": 0.25}, 2),
+        slow("bias_structure", BIAS, 1),
+        slow("amplifier_glow", GLOW, 1),
+        slow("black_level_drift", {"sigma": 0.2 * READ}, 2),
     ],
 )
 def test_it_is_found_with_its_values(name, values, seed):
@@ -38,9 +51,9 @@ def test_it_is_found_with_its_values(name, values, seed):
     [one] = found.effects
     assert one.name == name
     [entry] = Sensor.from_json(found.profile_json, "found").effects
-    for parameter in values.keys() & WIDEST.keys():
+    for parameter, widest in WIDEST[name].items():
         low, high = one.parameters[parameter].ci95
-        assert low <= values[parameter] <= high <= low + WIDEST[parameter]
+        assert low <= values[parameter] <= high <= low + widest, parameter
         assert low <= entry["parameters"][parameter] <= high
 
 

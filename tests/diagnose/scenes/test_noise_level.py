@@ -9,9 +9,8 @@ import pytest
 
 from cg2raw import Sensor
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.noise_level import ERROR_OF_MEDIAN, _line, noise_models
-from diagnose.planted import bare, capture_of, drawn, frames_of, sensor_of
+from diagnose.planted import bare, capture_of, sensor_of, shown_set
 
 SHAPE = (128, 160)
 KINDS = ("dark", "dark", "dark", "dark", "dark", "dark", "flat", "flat", "scene")
@@ -23,14 +22,7 @@ def captures_with_pixels(sensor, kinds, seed=1):
         capture_of(kind, n, shape=SHAPE, level=0.15 + 0.07 * n)
         for n, kind in enumerate(kinds)
     ]
-    result = []
-    for capture, frame in zip(captures, frames_of(sensor, captures), strict=True):
-        (shown,) = drawn([frame], Model(sensor), seed + len(result))
-        black = np.mean(sensor.black_level)
-        dn = np.clip(np.round(shown.signal[0] * frame.range + black), 0, None)
-        raw = np.minimum(dn, sensor.white_level).astype(np.uint16)
-        result.append(replace(capture, raw=lambda raw=raw: raw))
-    return result
+    return shown_set(sensor, captures, seed).captures
 
 
 @pytest.mark.parametrize(
