@@ -10,6 +10,7 @@ both are integrated out, so that amplitude and period are all that is fitted."""
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import helmert
@@ -59,60 +60,67 @@ class Waves:
             parts = np.array_split(frequencies, len(frequencies) // AT_ONCE + 1)
             first, second = zip(*map(self.at, parts), strict=True)
             return np.concatenate(first, axis=1), np.concatenate(second, axis=1)
-        count = self.score.shape[1]
-        smooth = polynomials(count)[: SMOOTH + 1]
-        turns = np.exp(2j * np.pi * np.outer(np.arange(count), frequencies))
-        twice, even = self.information @ turns**2, self.information.sum(1)[:, None]
+        seen = np.flatnonzero(self.information.any(axis=0))
+        lines, known = self.score[:, seen], self.information[:, seen]
+        smooth = polynomials(self.score.shape[1])[: SMOOTH + 1, seen]
+        turns = np.exp(2j * np.pi * np.outer(seen, frequencies))
+        twice, even = known @ turns**2, known.sum(axis=1)[:, None]
         own = [[even + twice.real, twice.imag], [twice.imag, even - twice.real]]
-        along = self.information[:, None] * smooth
+        along = known[:, None] * smooth
         cross = _phases(along @ turns).transpose(0, 2, 3, 1)
         inner = np.linalg.pinv(along @ smooth.T, hermitian=True)
         taken = cross @ inner[:, None]
-        rest = (self.score @ smooth.T)[:, None, :, None]
-        score = _phases(self.score @ turns) - (taken @ rest)[..., 0]
+        rest = (lines @ smooth.T)[:, None, :, None]
+        score = _phases(lines @ turns) - (taken @ rest)[..., 0]
         information = np.moveaxis(np.array(own) / 2, (0, 1), (2, 3))
         return score, information - taken @ cross.swapaxes(2, 3)
 
+    @cached_property
+    def each(self) -> tuple[Array, Array]:
+        """Those of all frequencies."""
+        return self.at(self.frequencies)
+
+    @cached_property
     def unevenness(self) -> float:
-        """Return by how much rows differ at most frequencies, over what their pixels'
+        """By how much rows differ at most frequencies, over what their pixels'
         noise makes: rows have more of their own than a profile says."""
-        score, information = self.at(self.frequencies)
+        score, information = self.each
         solved = np.linalg.pinv(information, hermitian=True) @ score[..., None]
         squares = (score * solved[..., 0]).sum(axis=(0, 2))
         return max(float(np.median(squares) / chi2.median(2 * len(score))), 1.0)
 
-    def scaled(self, factor: float) -> "Waves":
-        """Return the same of noise of so many times the variance."""
-        return Waves(self.score / factor, self.information / factor)
-
-    def fitted(self) -> Array:
-        """Return (amplitude, period) of most evidence."""
-        parts, count = self.at(self.frequencies), PADDED * self.score.shape[1]
-        every = np.array([evidence(*parts, one) for one in AMPLITUDES])
+    def fitted(self, factor: float) -> Array:
+        """Return (amplitude, period) of most evidence. factor : of noise."""
+        count = PADDED * self.score.shape[1]
+        parts = [one / factor for one in self.each]
+        every = np.array([evidence(parts[0], parts[1], one) for one in AMPLITUDES])
         a, k = np.unravel_index(every.argmax(), every.shape)
 
         def cost(numbers: Array) -> float:
-            return -self.nats(np.exp(numbers[0]), count / numbers[1])
+            return -self.nats(np.exp(numbers[0]), count / numbers[1], factor)
 
         start = np.log(AMPLITUDES[a]), self.frequencies[k] * count
         found = minimize(cost, start, method="Nelder-Mead").x
         return np.array([np.exp(found[0]), count / found[1]])
 
-    def errors(self, values: Array) -> Array:
+    def errors(self, values: Array, factor: float) -> Array:
         """Return standard errors of (amplitude, period), by the curvature."""
         found = []
         for k in range(2):
             low, high = (
                 values * (1 + sign * STEP * (np.arange(2) == k)) for sign in (-1, 1)
             )
-            bent = 2 * self.nats(*values) - self.nats(*low) - self.nats(*high)
+            left, middle, right = (
+                self.nats(one[0], one[1], factor) for one in (low, values, high)
+            )
+            bent = 2 * middle - left - right
             found.append(STEP * values[k] / np.sqrt(max(bent, 1e-300)))
         return np.array(found)
 
     def smallest(self, least: float) -> float:
         """Return the amplitude from which on waves are expected to gain as much, nats;
         infinite where none is."""
-        _, information = self.at(self.frequencies)
+        _, information = self.each
         known = np.trace(information, axis1=2, axis2=3) / 2
         for amplitude in AMPLITUDES:
             more = amplitude**2 / 2 * known
@@ -120,9 +128,10 @@ class Waves:
                 return float(amplitude)
         return np.inf
 
-    def nats(self, amplitude: float, period: float) -> float:
-        """Return what waves gain, each of its own phase."""
-        return float(evidence(*self.at(np.array([1 / period])), amplitude)[0])
+    def nats(self, amplitude: float, period: float, factor: float = 1.0) -> float:
+        """Return what waves gain, each of its own phase. factor : of noise."""
+        score, information = self.at(np.array([1 / period]))
+        return float(evidence(score / factor, information / factor, amplitude)[0])
 
 
 def _phases(turned: Array) -> Array:
@@ -143,16 +152,16 @@ def evidence(score: Array, information: Array, amplitude: float) -> Array:
 
 def nats_of(training: Waves, validation: Waves) -> float:
     """Return what validation frames gain by the flicker that training frames have."""
-    factor = max(training.unevenness(), validation.unevenness())
-    return validation.scaled(factor).nats(*training.scaled(factor).fitted())
+    factor = max(training.unevenness, validation.unevenness)
+    amplitude, period = training.fitted(factor)
+    return validation.nats(amplitude, period, factor)
 
 
 def measured(waves: Waves) -> tuple[Array, Array]:
     """Return (amplitude relative to light, period in rows) and their standard errors:
     of chance phases, so that an amplitude is known to 1 / (4 F)^0.5 of it at best."""
-    waves = waves.scaled(waves.unevenness())
-    values = waves.fitted()
-    return values, waves.errors(values)
+    values = waves.fitted(waves.unevenness)
+    return values, waves.errors(values, waves.unevenness)
 
 
 def series_of(waves: Waves, values: Array) -> Series:
