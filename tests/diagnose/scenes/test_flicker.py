@@ -99,6 +99,9 @@ def test_offsets_of_rows_are_integrated_out(own, monkeypatch):
         whitened = np.linalg.solve(covariance, light[0, row])
         assert found.information[0, row] == pytest.approx(whitened @ light[0, row])
         assert abs(found.score[0, row]) == pytest.approx(abs(whitened @ away[row]))
+    tiles.shape = (3, 7)  # too few for a wave
+    tiles.rows_and_columns = lambda: (np.array([0, 1, 2, 2, 2])[None, :, None], None)
+    assert flicker.waves_of([point]) is None
 
 
 def test_the_chart_shows_the_wave():

@@ -201,7 +201,8 @@ def is_shown(captures: Iterable[Capture]) -> bool:
 
 
 def waves_of(points: Sequence[Point], means: bool = False) -> Waves | None:
-    """Return what the frames of views say; None without lit ones that repeat.
+    """Return what the frames of views say; None without lit ones that repeat, or whose
+    rows are fewer than a wave.
 
     means : theirs as well, of which all is known but flicker."""
     found = [
@@ -209,8 +210,8 @@ def waves_of(points: Sequence[Point], means: bool = False) -> Waves | None:
     ]
     if not found:
         return None
-    score, information = map(np.array, zip(*found, strict=True))
-    return Waves(score, information)
+    waves = Waves(*map(np.array, zip(*found, strict=True)))
+    return waves if waves.frequencies.size else None
 
 
 def shows(view: View) -> bool:
