@@ -18,7 +18,7 @@ std::string text_of(Size size)
 
 Size size_of(const Plane<const float>& plane) { return { plane.width, plane.height }; }
 
-void check_inside(const FrameBlock& block, Size frame)
+void check_inside(const PredictedBlock& block, Size frame)
 {
     const auto [row, col] = block.origin;
     const Size size = block.size;
@@ -34,7 +34,7 @@ void check_inside(const FrameBlock& block, Size frame)
 
 /// Where the frame ends with the block, effects mirror as they do in the whole frame;
 /// elsewhere the margin has what they reach.
-void check_margin(const FrameBlock& block, Size frame, int margin, int reach)
+void check_margin(const PredictedBlock& block, Size frame, int margin, int reach)
 {
     const Size size = size_of(block.camera[0]);
     const Site first = first_of_block(block.origin, size, margin, frame);

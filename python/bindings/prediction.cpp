@@ -78,20 +78,6 @@ void check_shapes(const FloatArray& camera, const OriginArray& origins, int marg
                     + std::to_string(least) + " pixels of a block");
 }
 
-/// Blocks of a frame's camera RGB.
-std::vector<FrameBlock> blocks_of(const FloatArray& camera, const OriginArray& origins,
-                                  int margin)
-{
-    const Size size { int(camera.shape(3)), int(camera.shape(2)) };
-    const Size inner { size.width - 2 * margin, size.height - 2 * margin };
-    std::vector<FrameBlock> blocks;
-    for (py::ssize_t i = 0; i < camera.shape(0); ++i)
-        blocks.push_back({ { origins.at(i, 0), origins.at(i, 1) },
-                           inner,
-                           planes_at(camera.data(i), size) });
-    return blocks;
-}
-
 std::tuple<FloatArray, FloatArray, FloatArray>
 predicted(const SensorProfile& profile, const std::vector<NamedValues>& settings,
           const FloatArray& camera, const OriginArray& origins,
@@ -100,20 +86,23 @@ predicted(const SensorProfile& profile, const std::vector<NamedValues>& settings
           const std::optional<GlareContext>& glare_context, int threads)
 {
     check_shapes(camera, origins, margin);
-    const py::ssize_t margins = 2 * py::ssize_t(margin);
-    const std::vector<py::ssize_t> shape { camera.shape(0), camera.shape(2) - margins,
-                                           camera.shape(3) - margins };
+    const Size size { int(camera.shape(3)), int(camera.shape(2)) };
+    const Size inner { size.width - 2 * margin, size.height - 2 * margin };
+    const std::vector<py::ssize_t> shape { camera.shape(0), inner.height, inner.width };
     std::array<FloatArray, 3> results { FloatArray(shape), FloatArray(shape),
                                         FloatArray(shape) };
     std::vector<PredictedBlock> blocks;
-    for (const FrameBlock& block : blocks_of(camera, origins, margin)) {
-        const auto [width, height] = block.size;
-        const std::ptrdiff_t first = std::ptrdiff_t(blocks.size()) * width * height;
-        const auto result = [&, width = width, height = height](std::size_t which) {
-            return Plane<float> { results[which].mutable_data() + first, width, height,
-                                  width };
+    for (py::ssize_t i = 0; i < camera.shape(0); ++i) {
+        const auto result = [&](std::size_t which) {
+            return Plane<float> { results[which].mutable_data(i), inner.width,
+                                  inner.height, inner.width };
         };
-        blocks.push_back({ block, result(0), result(1), result(2) });
+        blocks.push_back({ { origins.at(i, 0), origins.at(i, 1) },
+                           inner,
+                           planes_at(camera.data(i), size),
+                           result(0),
+                           result(1),
+                           result(2) });
     }
     const Exposure exposure { { frame[1], frame[0] },
                               profile.cfa,

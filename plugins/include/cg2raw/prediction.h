@@ -14,18 +14,15 @@
 namespace cg2raw {
 
 /// A block of a frame, without its margin.
-struct FrameBlock {
+struct PredictedBlock {
     Site origin; ///< of the first pixel, in the active area
     Size size;
     /// As it enters stage color: the block with its margin, moved into the frame where
     /// that would leave it.
     std::array<Plane<const float>, 3> camera;
-};
-
-/// Where the prediction of a block goes: the signal before quantisation, 0..1 above
-/// black and beyond; its variance over frames, in the square of that; and the signal
-/// before its noise.
-struct PredictedBlock : FrameBlock {
+    /// Where the prediction goes: the signal before quantisation, 0..1 above black and
+    /// beyond; its variance over frames, in the square of that; and the signal before
+    /// its noise.
     Plane<float> mean, variance, exposed;
 };
 
