@@ -27,7 +27,7 @@ from cg2raw.model.dark_law import (
     MOST_LOG_SIGMA,
     DarkLaw,
     fitted,
-    median_by,
+    median_of,
     nats_of,
     quantile,
 )
@@ -296,12 +296,12 @@ def dark_spread(rates: DarkRates, gain: float) -> DarkSpread:
 
     gain : DN^2 of noise for each DN of charge, 0 where it is not known."""
     counts, noise = rates.counts.astype(float), rates.noise
-    shot = gain * rates.charge / noise
+    shot = rates.shot(gain)
     flat = fitted(counts, shot, uneven=False, hot=True)
     cold = fitted(counts, shot, uneven=True, hot=False)
     both = fitted(counts, shot, uneven=True, hot=True)
     _, of_rate, of_sigma, of_share, of_hot = map(float, both.errors)
-    median, error = median_by(counts, shot, flat, both)
+    median, error = median_of(counts, shot)
     middle = quantile(counts, 0.5)
     return DarkSpread(
         Measured(median * noise, math.hypot(error, LAW * median) * noise, "DN/s"),

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from cg2raw.calibration.measured import Array, clipped_moments
 from cg2raw.calibration.seen import Seen
-from cg2raw.statistics.constant import PlaneStatistics, smooth_images
 
 Mask = NDArray[np.bool_]
 OFF = 1 / 3  # of the response of the surroundings; dust and shading are closer
@@ -65,18 +64,10 @@ def defects_of(seen: Seen, black: Array) -> Mask | None:
     views = map(seen.sites.of, (response, found))
     planes = zip(seen.statistics.planes, black, *views, strict=True)
     for plane, level, above, defects in planes:
-        surroundings = smooth_of(plane, number)
-        surroundings -= level if dark is None else smooth_of(plane, dark)
+        surroundings = plane.smooth(number)
+        surroundings -= level if dark is None else plane.smooth(dark)
         defects[:] = ~responding(above, surroundings)
     return found if found.any() else None
-
-
-def smooth_of(plane: PlaneStatistics, number: int) -> Array:
-    """Return (h, w) DN, what all parts but pixel say of a group's mean image: masked
-    samples and lines have no part in it."""
-    one = [number]
-    smooth = smooth_images(plane.rows[one], plane.columns[one], plane.field[one])[0]
-    return np.asarray(smooth + plane.level[number])
 
 
 def responding(plane: Array, surroundings: Array) -> Mask:

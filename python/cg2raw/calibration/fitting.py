@@ -14,7 +14,7 @@ from cg2raw.calibration.frames import MOST_CUT
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.seen import Seen
 from cg2raw.model.evaluation import Parameters
-from cg2raw.model.figures import NORMAL, Figure, figures_of
+from cg2raw.model.figures import Figure, figures_of
 from cg2raw.model.fit import SAME_LIGHT, fit
 from cg2raw.model.profile_values import profile_values
 from cg2raw.statistics.codes import COARSE, ROUNDING
@@ -160,15 +160,11 @@ def values_of(
     found = np.zeros(len(parameters))
     if lost != "coarse" and knows_noise(seen, iso):
         found = profile_values(seen.sensor, float(iso or 0), parameters)
-    black, read, gain = (
-        parameters.of(name) + np.arange(len(levels))
-        for name in ("black_level", "read_noise", "gain")
-    )
-    found[black] = (levels - offset) / step
-    found[read] /= step**2
-    found[gain] /= step
+    found[parameters.each("black_level")] = (levels - offset) / step
+    found[parameters.each("read_noise")] /= step**2
+    found[parameters.each("gain")] /= step
     if lost == "coarse":
-        found[read] = (COARSE - ROUNDING) / 2
+        found[parameters.each("read_noise")] = (COARSE - ROUNDING) / 2
     return found
 
 
@@ -196,8 +192,7 @@ def of_flats(
     unsure = 0.0
     if lost == "coarse":
         error = math.sqrt(seen.sites.rounding)
-        ends = (-NORMAL * error, NORMAL * error)
-        black = Figure(BLACK, "DN", 0.0, error, *ends)
+        black = Figure.normal(BLACK, "DN", 0.0, error)
         found += [replace(changed(black, x), site=n) for n, x in enumerate(levels)]
         unsure = (COARSE - ROUNDING) / math.sqrt(12) * seen.sites.step**2
     elif not knows_noise(seen, iso):

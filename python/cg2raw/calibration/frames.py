@@ -15,14 +15,15 @@ import numpy as np
 
 from cg2raw import _core
 from cg2raw.arrays import RawImage, raw_plane
-from cg2raw.calibration.measured import CUT, LEFT, MAD, ROUNDS, Array
+from cg2raw.calibration.measured import CUT, LEFT, ROUNDS, Array
 from cg2raw.calibration.sites import LEAST_REPEATS, Sites
+from cg2raw.model.dark_law import MIDDLE
 from cg2raw.sensor import Sensor
 from cg2raw.statistics import codes
+from cg2raw.statistics.spots import MAD
 from cg2raw.statistics.temperature import set_points
 
 SAME_LEVEL = 0.05  # relative, of flats that repeat each other under a drifting lamp
-MIDDLE = (0.159, 0.841)  # of the pixels, a standard deviation to either side
 LEAST_SIGMA = 0.5  # steps of codes, below which no cut goes: it would lose all but one
 FEWEST_CODES = 8  # DN that must occur before a missing one is no chance
 MOST_CUT = 0.001  # of a dark's pixels, at 0 DN; more move its mean

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.statistics.spots import MAD
+
 Array = NDArray[Any]
 SIGNIFICANT = 3.0  # standard errors
 CUT = 4.0  # sigma beyond which a pixel does not count
@@ -18,7 +20,6 @@ CUT = 4.0  # sigma beyond which a pixel does not count
 LEFT = 1 - 2 * CUT * math.exp(-CUT * CUT / 2) / math.sqrt(2 * math.pi) / math.erf(
     CUT / math.sqrt(2)
 )
-MAD = 1.4826  # of a normal distribution: sigma over the median absolute deviation
 ROUNDS = 6
 ENOUGH = 20_000  # values for a median that only begins
 

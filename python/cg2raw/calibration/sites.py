@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from cg2raw.cfa import is_mono
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.codes import ROUNDING
+from cg2raw.statistics.constant import BLOCKS
 
 Number = TypeVar("Number", bound=np.generic)
-BLOCKS = 8  # along each side of a frame, for what changes over the field
 LEAST_REPEATS = 3 * BLOCKS  # of the CFA along each side: three to a block
-FIELD_BLOCKS = 32  # likewise, of maps of light and of dark current
+FIELD_BLOCKS = 32  # along each side of a frame, of maps of light and of dark current
 
 
 @dataclass(frozen=True)
@@ -77,9 +77,7 @@ def sites_of(sensor: Sensor) -> Sites:
     return Sites(tuple(names))
 
 
-def blocks_of(
-    plane: NDArray[Number], across: int = BLOCKS
-) -> Iterator[NDArray[Number]]:
+def blocks_of(plane: NDArray[Number], across: int) -> Iterator[NDArray[Number]]:
     """Yield the views of across x across blocks of a plane, row by row; together they
     are all of it."""
     rows, cols = (edges(length, across) for length in plane.shape)

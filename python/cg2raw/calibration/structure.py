@@ -16,6 +16,7 @@ from scipy.optimize import least_squares
 from cg2raw.calibration.measured import CUT, Array, LinearFit, Measured, linear_fit
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import FIELD_BLOCKS, blocks_of, centres
+from cg2raw.statistics.constant import lines_of_mosaic
 
 EDGE_LENGTHS = np.geomspace(0.7, 256, 40)  # px that are tried
 LONGEST_EDGE = 1 / 6  # of the width; a longer one is the ramp's
@@ -89,13 +90,10 @@ class BiasStructure:
 
 def bias_structure(seen: Seen) -> BiasStructure:
     """Return the structure of the shortest darks, by means of rows and columns."""
-    used, side = seen.shortest, seen.sites.side
+    used, planes = seen.shortest, seen.statistics.planes
     weights = seen.statistics.frames[used] / seen.statistics.frames[used].sum()
-    height, width = seen.statistics.planes[0].shape
-    columns, rows = np.zeros(side * width), np.zeros(side * height)
-    for site, plane in enumerate(seen.statistics.planes):
-        columns[site % side :: side] += weights @ plane.columns[used] / side
-        rows[site // side :: side] += weights @ plane.rows[used] / side
+    columns = lines_of_mosaic([weights @ p.columns[used] for p in planes], across=True)
+    rows = lines_of_mosaic([weights @ p.rows[used] for p in planes], across=False)
     horizontal, edge, length, of_columns = ramp_and_edge(columns)
     vertical, _, _, of_rows = ramp_and_edge(rows, with_edge=False)
     return BiasStructure(

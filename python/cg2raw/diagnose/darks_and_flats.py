@@ -313,8 +313,8 @@ def _with_noise_of(
     """Return a profile's parameters, (n,), with noise as in the frames."""
     found, fitted = profile.copy(), fit(both).theta
     for name in ("read_noise", "gain"):
-        places = parameters.of(name) + np.arange(parameters.sites)
-        found[places] = fitted[places]
+        own = parameters.each(name)
+        found[own] = fitted[own]
     return found
 
 

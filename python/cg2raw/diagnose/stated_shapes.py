@@ -81,7 +81,7 @@ class StatedShapes:
         given = [(name, values) for name, values in stated.items() if values]
         if not given:
             return cls()
-        side = round(len(statistics.planes) ** 0.5)
+        side = statistics.side
         height, width = (side * n for n in statistics.planes[0].shape)
         white = sensor.signal_range
 
@@ -130,7 +130,7 @@ class StatedShapes:
             return statistics
         parameters = Parameters(len(statistics.planes))
         time = np.array([group.charge_time for group in statistics.groups])
-        is_flat = np.array([group.kind == "flat" for group in statistics.groups])
+        is_flat = statistics.is_flat
         planes = []
         for site, plane in enumerate(statistics.planes):
             black = float(profile[parameters.of("black_level", site)])
@@ -160,7 +160,7 @@ class StatedShapes:
             columns=image.columns[None],
             field=image.field[None],
         )
-        each = coefficients_of(bare, (0, 0), round(len(statistics.planes) ** 0.5))
+        each = coefficients_of(bare, (0, 0), statistics.side)
         return SHAPE_ERROR * max(float((x**2).mean()) for x in each if x.size)
 
 

@@ -19,8 +19,7 @@ def neighbours(statistics: ConstantStatistics, down: int, across: int) -> Array 
         return None
     h, w = statistics.planes[0].shape
     along, other = (w, h) if across else (h, w)
-    side = round(len(statistics.planes) ** 0.5)
-    within = down % side == 0 and across % side == 0
+    within = down % statistics.side == 0 and across % statistics.side == 0
     measured = statistics.lags[:, LAGS.index((down, across))]
     if min(along, other) < 4:
         return 0 * measured

@@ -70,10 +70,20 @@ class DarkLaw:
         return replace(self, shift=shift, rate=rate, hot_rate=hot_rate, shot=shot)
 
     @property
+    def values(self) -> Array:
+        """(5,) as in the formula."""
+        each = self.shift, self.rate, self.log_sigma, self.fraction, self.hot_rate
+        return np.array(each)
+
+    @property
+    def numbers(self) -> Array:
+        """(5,) the shift, and logarithms of the others, as they are searched for."""
+        return np.append(self.shift, np.log(np.maximum(self.values[1:], LEAST_HOT)))
+
+    @property
     def shares(self) -> Array:
         """(bins,) expected, between RATE_EDGES."""
-        values = (self.shift, self.rate, self.log_sigma, self.fraction, self.hot_rate)
-        return shares_of(np.array(values), self.shot)
+        return shares_of(self.values, self.shot)
 
 
 def nats_of(counts: Array, law: DarkLaw) -> float:
@@ -116,13 +126,10 @@ def with_hot(counts: Array, shot: float, fraction: float, hot_rate: float) -> Da
     known to HOT_ERROR. fraction, hot_rate : as of DarkLaw; others as of fitted."""
     counts = counts.astype(float)
     best = fitted(counts, shot, uneven=True, hot=True)
-    start = np.array([best.rate, best.log_sigma, fraction, hot_rate])
-    x = np.array([best.shift, *np.log(np.maximum(start, LEAST_HOT))])
     weights, free = np.array([0, 0, 0, 1, 1]) / HOT_ERROR**2, np.ones(5, bool)
-    near = _climbed(counts, x, free, shot, FIXED * weights)
-    others = [near.rate, near.log_sigma, near.fraction, near.hot_rate]
-    again = np.array([near.shift, *np.log(others)])
-    return _climbed(counts, again, free, shot, weights)
+    stated = replace(best, fraction=fraction, hot_rate=hot_rate)
+    near = _climbed(counts, stated.numbers, free, shot, FIXED * weights)
+    return _climbed(counts, near.numbers, free, shot, weights)
 
 
 def quantile(counts: Array, share: float) -> float:
@@ -197,31 +204,20 @@ def _climbed(
 
 def median_of(counts: Array, shot: float = 0.0) -> tuple[float, float]:
     """Return the law's median and its standard error, over the noise: 0 is what the
-    rates are counted from. Both are 0 where most pixels are not shown to differ."""
-    even = fitted(counts, shot, uneven=False, hot=True)
-    best = fitted(counts, shot, uneven=True, hot=True)
-    return median_by(counts, shot, even, best)
-
-
-def median_by(
-    counts: Array, shot: float, even: DarkLaw, best: DarkLaw
-) -> tuple[float, float]:
-    """Return the median of the best law as median_of does. even : the best of those by
-    which most pixels are alike.
+    rates are counted from. Both are 0 where most pixels are not shown to differ.
 
     Of a law that is narrower than noise log_sigma is hardly known, and by it the
     median: then they are averaged over it, by likelihood."""
+    even = fitted(counts, shot, uneven=False, hot=True)
+    best = fitted(counts, shot, uneven=True, hot=True)
     if best.nats - even.nats < LEAST_NATS:
         return 0.0, 0.0
     if best.errors[2] < KNOWN * best.log_sigma:
         return best.shift, float(best.errors[0])
     free = np.array([True, True, False, best.fraction > 0, best.fraction > 0])
-    start = np.array([best.rate, best.log_sigma, best.fraction, best.hot_rate])
-    x = np.array([best.shift, *np.log(np.maximum(start, LEAST_HOT))])
-    laws = []
-    for log_sigma in LOG_SIGMAS:
-        # The same spread; of it the tail says how much is skew.
-        again = x + np.log(best.log_sigma / log_sigma) * np.array([0, 1, -1, 0, 0])
+    laws, same_spread = [], np.array([0, 1, -1, 0, 0])
+    for log_sigma in LOG_SIGMAS:  # of the spread the tail says how much is skew
+        again = best.numbers + np.log(best.log_sigma / log_sigma) * same_spread
         laws.append(_climbed(counts, again, free, shot))
     nats = np.array([law.nats for law in laws])
     weights = np.exp(nats - nats.max())

@@ -14,7 +14,7 @@ from cg2raw.model.components import FIXED
 from cg2raw.model.fit import Fit, Prior, gain_of, refitted
 from cg2raw.model.mean_images import low_of
 from cg2raw.model.smallest_set import gains_in_smallest_set
-from cg2raw.statistics.constant import PARTS, Array, polynomials
+from cg2raw.statistics.constant import PARTS, Array, lines_of_mosaic, polynomials
 
 LEVELS = ("black_level", "dark_current", "black_level_drift")
 LENGTHS = 200  # of a decay that are tried: 2 % apart
@@ -113,8 +113,8 @@ class DarkLevels:
             for own in self.places.values():
                 free &= ~own
             if "black_level" not in names:
-                at, sites = fit.parameters.of("read_noise"), fit.parameters.sites
-                start[at : at + sites] = self.profile[at : at + sites]
+                read = fit.parameters.each("read_noise")
+                start[read] = self.profile[read]
         priors, told = [], np.zeros_like(free)
         for name, own in self.places.items():
             if name in names and trained is None:
@@ -208,13 +208,11 @@ def first_columns(fit: Fit) -> tuple[float, float]:
     """Return by how much columns that settle from the first one on raise the mean of
     the shortest darks, and the standard error, DN."""
     planes = fit.likelihood.planes
-    side, dark = planes[0].side, ~planes[0].is_flat
+    dark = ~planes[0].is_flat
     shortest = dark & (planes[0].time == planes[0].time[dark].min())
     weights = planes[0].frames * shortest / (planes[0].frames @ shortest)
-    lines = np.zeros(side * planes[0].plane.shape[1])
-    for site, plane in enumerate(planes):
-        lines[site % side :: side] += weights @ plane.plane.columns / side
-    return mean_of_decay(lines)
+    columns = [weights @ plane.plane.columns for plane in planes]
+    return mean_of_decay(lines_of_mosaic(columns, across=True))
 
 
 def mean_of_decay(lines: Array) -> tuple[float, float]:

@@ -52,6 +52,11 @@ class Parameters:
         """Return the place of a parameter. site : of a plane's own."""
         return self.names.index(name) + site
 
+    def each(self, name: str) -> slice:
+        """Return the places of a parameter that each plane has, in their order."""
+        first = self.of(name)
+        return slice(first, first + self.sites)
+
 
 class Evaluation:
     """A value, its slope and Fisher's information, summed up."""

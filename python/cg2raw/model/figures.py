@@ -39,6 +39,15 @@ class Figure:
     high: float
     site: int | None = None
 
+    @classmethod
+    def normal(
+        cls, name: str, unit: str, value: float, error: float, least: float = -np.inf
+    ) -> "Figure":
+        """Return one with the interval of a normal law, cut at the least that it may
+        be."""
+        half = NORMAL * error
+        return cls(name, unit, value, error, max(value - half, least), value + half)
+
 
 def figures_of(
     statistics: ConstantStatistics, found: Fit, most_cut: float = MOST_CUT
@@ -46,8 +55,8 @@ def figures_of(
     """Return what the frames show, in the order of the physics; what they do not show
     is missing, and all of darks where more than most_cut of one is at 0."""
     all_of_them = [*_light(found)]
-    are_dark = np.array([info.kind == "dark" for info in statistics.groups])
-    if not any((plane.low[are_dark] > most_cut).any() for plane in statistics.planes):
+    darks = ~statistics.is_flat
+    if not any((plane.low[darks] > most_cut).any() for plane in statistics.planes):
         all_of_them = [
             *_levels(statistics, found),
             *_noise(found),
@@ -148,16 +157,14 @@ def _noise(found: Fit) -> Iterator[Figure]:
         yield _root("read noise", "DN", read, error, site=site)
         shortest = int(np.argmin(np.where(plane.is_flat, np.inf, plane.time)))
         records, slopes = plane.records(found.theta)
-        known = np.isfinite(np.diagonal(found.covariance))
         of_lines = [found.parameters.of(n) for n in ("row_noise", "column_noise")]
         slope = slopes[1, shortest]
         slope[of_lines] += 1.0
-        slope, covariance = slope[known], found.covariance[np.ix_(known, known)]
         yield _root(
             "temporal dark noise",
             "DN",
             float(records[1, shortest] + found.theta[of_lines].sum()),
-            float(np.sqrt(slope @ covariance @ slope)),
+            float(np.sqrt(found.variance_of(slope))),
             site=site,
         )
     yield _of_variance(found, "row_noise", "row noise", "DN")
@@ -171,11 +178,8 @@ def _correlations(statistics: ConstantStatistics, found: Fit) -> Iterator[Figure
     if not len(used):
         return
     pairs = statistics.pairs[used].astype(float)
-    samples = sum(float((~plane.masked).sum()) for plane in statistics.planes)
     each = [_coded(found, plane) for plane in found.likelihood.planes]
     coded, slopes = (np.mean(some, 0)[used] for some in zip(*each, strict=True))
-    known = np.isfinite(np.diagonal(found.covariance)) & slopes.any(axis=0)
-    covariance = found.covariance[np.ix_(known, known)]
     for name, lag in (
         ("correlation, next in row", (0, 1)),
         ("correlation, next in column", (1, 0)),
@@ -185,12 +189,10 @@ def _correlations(statistics: ConstantStatistics, found: Fit) -> Iterator[Figure
             continue
         values = measured[used] / coded
         value = float(np.average(values, weights=pairs))
-        slope = np.average(values[:, None] * slopes[:, known], axis=0, weights=pairs)
-        own = 1 / (pairs.sum() * samples) / coded.mean() ** 2
-        error = float(np.sqrt(own + slope @ covariance @ slope))
-        yield Figure(
-            name, "1", value, error, value - NORMAL * error, value + NORMAL * error
-        )
+        slope = np.average(values[:, None] * slopes, axis=0, weights=pairs)
+        own = 1 / (pairs.sum() * statistics.unmasked) / coded.mean() ** 2
+        error = float(np.sqrt(own + found.variance_of(slope)))
+        yield Figure.normal(name, "1", value, error)
 
 
 def _coded(found: Fit, plane: PlaneLikelihood) -> tuple[Array, Array]:

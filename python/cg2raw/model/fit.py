@@ -56,6 +56,12 @@ class Fit:
         error = float(np.sqrt(self.covariance[at, at]))
         return (float(self.theta[at]) if np.isfinite(error) else np.nan), error
 
+    def variance_of(self, slopes: Array) -> float:
+        """Return the variance of what has slopes by the parameters, (n,); those that
+        the frames do not show have no part in it."""
+        used = np.isfinite(np.diagonal(self.covariance)) & (slopes != 0)
+        return float(slopes[used] @ self.covariance[np.ix_(used, used)] @ slopes[used])
+
 
 def fit(statistics: ConstantStatistics, profile: Array | None = None) -> Fit:
     """Return the fit of darks and flats.
@@ -64,15 +70,14 @@ def fit(statistics: ConstantStatistics, profile: Array | None = None) -> Fit:
     Raises ValueError where noise is not known: if no two frames repeat each other, all
     of a group are the same, or they are too small."""
     check_noise(statistics)
-    has_darks = any(group.kind == "dark" for group in statistics.groups)
-    likelihood = Likelihood(statistics, None if has_darks else profile)
+    likelihood = Likelihood(statistics, profile if statistics.is_flat.all() else None)
     theta, free = start_of(likelihood, profile)
     found = _settled(statistics, likelihood, theta, free)
     if profile is not None and likelihood.is_coarse:
         # Few codes have several explanations; the profile's is as good as any.
-        at, sites = found.parameters.of, np.arange(found.parameters.sites)
         for name in ("black_level", "read_noise", "gain"):
-            theta[at(name) + sites] = profile[at(name) + sites]
+            own = found.parameters.each(name)
+            theta[own] = profile[own]
         other = _settled(statistics, likelihood, theta, free)
         is_likelier = other.value > found.value - ALIKE
         if (is_likelier or not found.is_settled) and other.is_settled:
@@ -289,13 +294,10 @@ def start_of(
         if parameters.sites == 1 and component.name.startswith("color_shading"):
             free[at] = False
     free[parameters.of("dark_current")] = has_times
-    drifts = parameters.of("black_level_drift")
     rest = int(darks.sum()) - likelihood.levels.parameters_of_means
-    free[drifts] = (darks & first.repeats).any() or rest > 0
-    sites = slice(parameters.of("black_level"), parameters.sites)
-    free[sites] = darks.any()
-    at = parameters.of("read_noise")
-    free[at : at + parameters.sites] = is_told
+    free[parameters.of("black_level_drift")] = (darks & first.repeats).any() or rest > 0
+    free[parameters.each("black_level")] = darks.any()
+    free[parameters.each("read_noise")] = is_told
     if profile is not None:
         theta = np.where(free, theta, profile)
     _start_levels(likelihood, theta, darks)
@@ -325,8 +327,7 @@ def _start_levels(
     values = np.linalg.lstsq(
         design * weights[:, None], places[:, darks].T * weights[:, None], rcond=None
     )[0]
-    at = parameters.of("black_level")
-    theta[at : at + parameters.sites] = values[0]
+    theta[parameters.each("black_level")] = values[0]
     if len(values) > 1:
         theta[parameters.of("dark_current")] = max(float(values[1].mean()), 0.0)
     levels = [

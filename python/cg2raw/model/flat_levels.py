@@ -203,8 +203,8 @@ def flat_levels(
     noise = [plane.level_noise() for plane in planes]
     variance = np.array([pixel[groups] + lines[groups] for pixel, lines in noise])
     covariance = np.diag((variance / frames / light_of**2).ravel() + LEAST_ERROR**2)
-    at, count = found.parameters.of("black_level"), len(planes)
-    blacks = found.covariance[at : at + count, at : at + count]
+    own, count = found.parameters.each("black_level"), len(planes)
+    blacks = found.covariance[own, own]
     blacks = np.where(np.isfinite(blacks), blacks, 0.0)
     site = np.repeat(np.arange(count), len(groups))
     flat = np.tile(np.arange(len(groups)), count)

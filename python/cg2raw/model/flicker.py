@@ -8,12 +8,17 @@ that mean has left of it, and its period, are in what means of flats differ by."
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit
-from cg2raw.statistics.constant import PARTS, SMOOTH, Array, polynomials
+from cg2raw.statistics.constant import (
+    PARTS,
+    SMOOTH,
+    Array,
+    lines_of_mosaic,
+    polynomials,
+)
 
 NAME = "mains_flicker"
 PADDED = 4  # times the rows, of the transform that finds the period
@@ -29,7 +34,10 @@ def flicker(fit: Fit) -> Iterator[tuple[str, float, float, float]]:
     if len(flats) < 2:
         return
     frames = planes[0].frames[flats].astype(float)
-    rows = _rows(fit, flats)
+    rows = lines_of_mosaic(
+        [plane.plane.rows[flats] / plane.light[flats, None] for plane in planes],
+        across=False,
+    )
     rows -= frames @ rows / frames.sum()
     smooth = polynomials(rows.shape[1])[: SMOOTH + 1]
     rows -= rows @ smooth.T @ smooth
@@ -66,17 +74,6 @@ def flicker(fit: Fit) -> Iterator[tuple[str, float, float, float]]:
     low, amplitude, high = (float(np.sqrt(max(x, 0.0))) for x in ends)
     yield "amplitude", amplitude, low, high
     yield "period", period, max(period - half, SHORTEST), period + half
-
-
-def _rows(fit: Fit, flats: NDArray[np.intp]) -> Array:
-    """Return (flats, rows) of mean images, relative to their light."""
-    planes = fit.likelihood.planes
-    side, height = planes[0].side, planes[0].plane.shape[0]
-    found = np.zeros((len(flats), side * height))
-    for site, plane in enumerate(planes):
-        own = plane.plane.rows[flats] / plane.light[flats, None]
-        found[:, site // side :: side] += own / side
-    return found
 
 
 def _wave(frequency: float, count: int) -> Array:

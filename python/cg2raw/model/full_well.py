@@ -14,7 +14,12 @@ from numpy.typing import NDArray
 
 from cg2raw.model.evaluation import Parameters
 from cg2raw.statistics.codes import COARSE
-from cg2raw.statistics.constant import Array, ConstantStatistics, PlaneStatistics
+from cg2raw.statistics.constant import (
+    BLOCKS,
+    Array,
+    ConstantStatistics,
+    PlaneStatistics,
+)
 
 NAME = "full_well"
 CEILING = 0.5  # of the largest variance of darker flats; below it the well is full
@@ -60,10 +65,10 @@ def full_well(
     parameters = Parameters(len(statistics.planes))
     darks = statistics.shortest_darks()
     groups, levels = list[NDArray[np.int64]](), list[Array]()
-    of_group = np.array([info.split for info in statistics.groups])
     nats = dict.fromkeys(splits, 0.0)
     tried = float(np.log(sum(plane.noise.size for plane in statistics.planes)))
-    noises = {g: statistics.block_noise(g) for g in _repeated_flats(statistics)}
+    repeated = np.flatnonzero(statistics.is_flat & (statistics.pairs > 0)).tolist()
+    noises = {g: statistics.block_noise(g) for g in repeated}
     lit = {g: statistics.block_levels(g) for g in noises}
     for site, plane in enumerate(statistics.planes):
         black, read, gain = (
@@ -79,7 +84,7 @@ def full_well(
         groups.append(blocks.group[is_full])
         levels.append(blocks.level[is_full])
         for split in splits:
-            own = of_group[blocks.group] == split
+            own = statistics.splits[blocks.group] == split
             nats[split] += float(each[is_full & own].sum())
     full = np.unique(np.concatenate([np.zeros(0, int), *groups]))
     if not len(full):
@@ -93,14 +98,6 @@ def full_well(
         float(max(highest.std(), 0.5)),
         max(min(nats.values()) - tried, 0.0),
     )
-
-
-def _repeated_flats(statistics: ConstantStatistics) -> list[int]:
-    return [
-        g
-        for g, info in enumerate(statistics.groups)
-        if info.kind == "flat" and statistics.pairs[g]
-    ]
 
 
 def _blocks_of(
@@ -117,13 +114,12 @@ def _blocks_of(
         for g in levels
         if plane.high[g] + plane.low[g] <= MOST_CLIPPED and plane.power[g] > COARSE
     ]
-    level = np.concatenate([np.zeros(0), *(levels[g][site] - black for g in used)])
-    noise = np.concatenate([np.zeros(0), *(noises[g][0][site] for g in used)])
-    error = noise * np.concatenate([np.zeros(0), *(noises[g][1][site] for g in used)])
-    group = np.repeat(np.array(used, int), len(level) // max(len(used), 1))
+    level = np.ravel([levels[g][site] for g in used]) - black
+    noise, relative = (np.ravel([noises[g][n][site] for g in used]) for n in (0, 1))
+    error, group = noise * relative, np.repeat(np.array(used, int), BLOCKS**2)
     known = np.flatnonzero(noise > 0)
     order = known[np.argsort(level[known], kind="stable")]
-    return _Blocks(*(x[order] for x in (level, noise, error, group)))
+    return _Blocks(level[order], noise[order], error[order], group[order])
 
 
 def _nats_of_less(blocks: _Blocks, read: float, law: Array) -> Array:

@@ -6,7 +6,6 @@ No effect has that. It is measured by the step in the middle of the columns, or 
 rows; what such a step moves is taken off, so that it gets no name of what is smooth or
 of lines."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -64,69 +63,39 @@ def _lines(plane: PlaneStatistics, axis: int) -> Array:
     return plane.columns if axis else plane.rows
 
 
-def _design(count: int) -> Array:
-    """Return (n, 13): a step of 1 in the middle, and what is slow."""
-    step = np.where(np.arange(count) < count // 2, -0.5, 0.5)
-    return np.column_stack([step, polynomials(count).T])
-
-
 def _steps(
     statistics: ConstantStatistics, split: str, axis: int
 ) -> list[tuple[float, float] | None]:
     """Return the step of darks, DN, and of light, relative, each with its standard
     error by what lines differ besides; None where there are none."""
-    each: dict[str, list[Array]] = {"dark": [], "flat": []}
-    frames: dict[str, list[float]] = {"dark": [], "flat": []}
-    count = _lines(statistics.planes[0], axis).shape[1]
-    if count < FEWEST:
-        return [None, None]
-    design = _design(count)
-    for g, info in enumerate(statistics.groups):
-        if info.split == split:
-            lines = [_lines(plane, axis)[g] for plane in statistics.planes]
-            each[info.kind].append(np.array(lines))
-            frames[info.kind].append(float(statistics.frames[g]))
-    darks = _mean(each["dark"], frames["dark"])
-    found = [None if darks is None else _step(design, darks)]
-    lights = [
-        np.array([plane.level[g] for plane in statistics.planes])
-        for g, info in enumerate(statistics.groups)
-        if info.split == split and info.kind == "flat"
-    ]
-    blacks = _blacks(statistics, split)
-    relative = [
-        (lines - (0.0 if darks is None else darks)) / (level - blacks)[:, None]
-        for lines, level in zip(each["flat"], lights, strict=True)
-    ]
-    flats = _mean(relative, frames["flat"])
-    return [*found, None if flats is None else _step(design, flats)]
-
-
-def _blacks(statistics: ConstantStatistics, split: str) -> Array:
-    """Return (P,) DN, the levels of the shortest darks; 0 without darks."""
-    darks = [
-        (info.exposure_time or 0.0, g)
-        for g, info in enumerate(statistics.groups)
-        if info.split == split and info.kind == "dark"
-    ]
-    if not darks:
-        return np.zeros(len(statistics.planes))
-    return np.array([plane.level[min(darks)[1]] for plane in statistics.planes])
-
-
-def _mean(each: Sequence[Array], weights: Sequence[float]) -> Array | None:
-    if not each:
-        return None
-    found: Array = np.average(np.array(each), axis=0, weights=weights)
+    lines = np.array([_lines(plane, axis) for plane in statistics.planes])
+    found: list[tuple[float, float] | None] = [None, None]
+    if (count := lines.shape[-1]) < FEWEST:
+        return found
+    own, frames = statistics.splits == split, statistics.frames
+    darks, flats = (
+        np.flatnonzero(own & (statistics.is_flat == is_lit)) for is_lit in (False, True)
+    )
+    levels = np.array([plane.level for plane in statistics.planes])
+    blacks, dark = np.zeros(len(levels)), np.zeros((len(levels), count))
+    if len(darks):
+        times = [statistics.groups[g].exposure_time or 0.0 for g in darks]
+        blacks = levels[:, darks[np.argmin(times)]]
+        dark = np.average(lines[:, darks], axis=1, weights=frames[darks])
+        found[0] = _step(dark)
+    if len(flats):
+        light = levels[:, flats] - blacks[:, None]
+        relative = (lines[:, flats] - dark[:, None]) / light[:, :, None]
+        found[1] = _step(np.average(relative, axis=1, weights=frames[flats]))
     return found
 
 
-def _step(design: Array, planes: Array) -> tuple[float, float]:
+def _step(planes: Array) -> tuple[float, float]:
     """Return the mean step of planes, (P, n), and its standard error, by what steps are
     elsewhere: lines next to each other may be alike."""
     lines = planes.mean(axis=0)
-    count, low = len(lines), design[:, 1:]
-    near = count // NEAR
+    count, near = len(lines), len(lines) // NEAR
+    low = polynomials(count).T
     places = np.arange(near, count - near)
     steps = np.where(np.arange(count) < places[:, None], -0.5, 0.5)
     steps -= steps @ low @ low.T
@@ -142,7 +111,8 @@ def _step(design: Array, planes: Array) -> tuple[float, float]:
 def _without(plane: PlaneStatistics, axis: int) -> PlaneStatistics:
     """Each part of the lines loses the one of its coefficients that a step moves."""
     lines = _lines(plane, axis)
-    low, step = polynomials(lines.shape[1])[1:], _design(lines.shape[1])[:, 0]
+    low = polynomials(count := lines.shape[1])[1:]
+    step = np.where(np.arange(count) < count // 2, -0.5, 0.5)
     smooth, slow = (some.T @ (some @ step) for some in (low[:SMOOTH], low[SMOOTH:]))
     rest, freedom, scatter = lines, plane.freedom.copy(), plane.scatter.copy()
     name = "columns" if axis else "rows"

@@ -211,19 +211,19 @@ def lags_of(
         return None
     planes = found.likelihood.planes
     recorded = np.mean([plane.scatter[groups, PIXEL] for plane in planes], axis=0)
-    at, sites = found.parameters.of, range(found.parameters.sites)
-    read = np.mean([found.theta[at("read_noise", s)] for s in sites])
-    samples = sum(float((~plane.plane.masked).sum()) for plane in planes)
+    read = found.theta[found.parameters.each("read_noise")].mean()
     pairs = statistics.pairs[groups].astype(float)
     lowered = [one for one in LOGARITHMS if not (has_tails and one == "read_noise")]
-    places = np.array([at(LOGARITHMS[one][0], s) for one in lowered for s in sites])
-    of = np.repeat(lowered, len(sites))
+    every = np.arange(len(profile))
+    own = [found.parameters.each(LOGARITHMS[one][0]) for one in lowered]
+    places = np.concatenate([every[one] for one in own])
+    of = np.repeat(lowered, found.parameters.sites)
     errors = np.sqrt(np.diagonal(found.covariance))[places] / found.theta[places]
     known = np.isfinite(errors) & (errors > 0) & (profile[places] > 0)
     places, errors, of = places[known], errors[known], of[known]
     return Lags(
         measured=statistics.lags[groups],
-        samples=pairs * samples,
+        samples=pairs * statistics.unmasked,
         side=planes[0].side,
         shape=shape,
         read=np.clip(read / recorded, 0.0, 1.0),

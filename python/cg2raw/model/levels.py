@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cg2raw.model.evaluation import Evaluation, Parameters
+from cg2raw.model.evaluation import Evaluation
 from cg2raw.model.planes import PlaneLikelihood
 from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import PIXEL, Array, ConstantStatistics
@@ -36,11 +36,10 @@ class LevelLikelihood:
     def __init__(
         self,
         planes: list[PlaneLikelihood],
-        parameters: Parameters,
         statistics: ConstantStatistics,
-        theta: Array | None = None,
+        theta: Array | None,
     ) -> None:
-        self.planes, self.parameters = planes, parameters
+        self.planes, self.parameters = planes, planes[0].parameters
         self.darks = np.flatnonzero(~planes[0].is_flat)
         self.frames = statistics.frames[self.darks].astype(float)
         self.groups = [statistics.groups[g] for g in self.darks]
@@ -50,10 +49,10 @@ class LevelLikelihood:
         self.turn = np.linalg.qr(np.column_stack([np.ones(count), np.eye(count)]))[0].T
         self.turn *= np.where(self.turn[:1].sum() < 0, -1.0, 1.0)
         # Planes differ in dark current by the chance of their pixels'.
-        at = parameters.of("dark_current_nonuniformity")
+        at = self.parameters.of("dark_current_nonuniformity")
         uneven = 0.0 if theta is None else max(float(theta[at]), 0.0)
         self.uneven = uneven / planes[0].plane.masked.size
-        at = parameters.of("dark_current")
+        at = self.parameters.of("dark_current")
         self.rate = 0.0 if theta is None else float(theta[at])
         # What a reading leaves open of a temperature, its charge has.
         error = np.array([group.warmth_error for group in self.groups])
@@ -72,8 +71,8 @@ class LevelLikelihood:
         """Add what darks' levels say. recorded : of each plane, records at theta."""
         if not len(self.darks):
             return
-        at, g = self.parameters.of, self.darks
-        count, number = len(self.planes), len(theta)
+        at, g, count = self.parameters.of, self.darks, len(self.planes)
+        blacks = self.parameters.each("black_level")
         places = np.array([records[0, g] for records, _ in recorded])
         response = np.mean([records[3, g] for records, _ in recorded], axis=0)
         by_place = np.array([slopes[0, g] for _, slopes in recorded])
@@ -81,9 +80,9 @@ class LevelLikelihood:
         for axis in range(count):
             weights = self.turn[axis]
             mean = weights.sum() * theta[at("dark_current")] * self.time
-            mean = mean + weights @ theta[at("black_level") : at("black_level") + count]
+            mean = mean + weights @ theta[blacks]
             slopes = np.einsum("p,pgn->gn", weights, by_place)
-            slopes[:, at("black_level") : at("black_level") + count] -= weights
+            slopes[:, blacks] -= weights
             slopes[:, at("dark_current")] -= weights.sum() * self.time
             if axis > 0:
                 covariance = np.diag(rest / self.frames)
@@ -95,7 +94,7 @@ class LevelLikelihood:
             if (variance <= 0).any():
                 found.value = -np.inf
                 return
-            by = np.zeros((len(g), number))
+            by = np.zeros((len(g), len(theta)))
             by[:, at("black_level_drift")] = count
             share = max(1 - self.parameters_of_means / len(g), 0.0)
             found.add_normal(
@@ -158,15 +157,11 @@ class LevelLikelihood:
         freedom = int(self.frames.sum()) - self.parameters_of_means
         left = len(self.darks) - self.parameters_of_means
         levels = np.mean([p.records(theta)[0][0, self.darks] for p in self.planes], 0)
-        design = np.column_stack([np.ones(len(levels)), self.time])
-        at, count = self.parameters.of("black_level"), len(self.planes)
-        line = [
-            theta[at : at + count].mean(),
-            theta[self.parameters.of("dark_current")],
-        ]
+        black = theta[self.parameters.each("black_level")].mean()
+        on_line = black + theta[self.parameters.of("dark_current")] * self.time
         floor = self.noise[0][self.darks]
         variance = theta[self.parameters.of("black_level_drift")] + floor + self.unread
-        squares = (levels - design @ np.array(line)) ** 2 * self.frames / variance
+        squares = (levels - on_line) ** 2 * self.frames / variance
         misfit = np.sqrt(max(float(squares.sum()) / left, 1.0)) if left > 0 else 1.0
         return Line(freedom, float(misfit))
 

@@ -42,8 +42,8 @@ class Likelihood:
             for plane in self.planes
             for recorder in plane.recorders
         )
-        self.means = MeanImageLikelihood(self.planes, self.parameters, statistics)
-        self.levels = LevelLikelihood(self.planes, self.parameters, statistics, theta)
+        self.means = MeanImageLikelihood(self.planes, statistics)
+        self.levels = LevelLikelihood(self.planes, statistics, theta)
         self.has_means = True
 
     def without_means(self) -> "Likelihood":

@@ -28,7 +28,7 @@ from cg2raw.model.components import (
     Component,
 )
 from cg2raw.model.correlation import neighbours
-from cg2raw.model.evaluation import Evaluation, Parameters
+from cg2raw.model.evaluation import Evaluation
 from cg2raw.model.planes import PlaneLikelihood, less_of, waves
 from cg2raw.statistics.constant import (
     FIELD,
@@ -87,12 +87,9 @@ class MeanImageLikelihood:
     """The products of the mean images of all planes."""
 
     def __init__(
-        self,
-        planes: Sequence[PlaneLikelihood],
-        parameters: Parameters,
-        statistics: ConstantStatistics,
+        self, planes: Sequence[PlaneLikelihood], statistics: ConstantStatistics
     ) -> None:
-        self.planes, self.parameters = planes, parameters
+        self.planes, self.parameters = planes, planes[0].parameters
         self.statistics = statistics
         everything = list(range(len(planes)))
         chosen = [(part, everything) for part in range(PIXEL)]
@@ -191,10 +188,7 @@ class MeanImageLikelihood:
         recorded: Sequence[tuple[Array, Array]],
     ) -> None:
         """Add what mean images say. recorded : of each plane, records at theta."""
-        together: dict[Sequence[int], _Records] = {}
-        for block in self.blocks:
-            records = _records_of(block, recorded, together)
-            one = self._covariance(block, theta, records)
+        for block, one, records in self._each(theta, recorded):
             share = self._noise_share(block)
             is_positive = found.add_wishart(
                 block.products,
@@ -210,10 +204,18 @@ class MeanImageLikelihood:
         self, theta: Array, recorded: Sequence[tuple[Array, Array]]
     ) -> Iterator[tuple[Block, Array]]:
         """Yield each block with its covariance, (N, N) DN^2. recorded : as above."""
-        together: dict[Sequence[int], _Records] = {}
+        return ((block, one.whole) for block, one, _ in self._each(theta, recorded))
+
+    def _each(
+        self, theta: Array, recorded: Sequence[tuple[Array, Array]]
+    ) -> Iterator[tuple[Block, _Covariance, _Records]]:
+        known: dict[Sequence[int], _Records] = {}
         for block in self.blocks:
-            records = _records_of(block, recorded, together)
-            yield block, self._covariance(block, theta, records).whole
+            if block.planes not in known:
+                each = zip(*(recorded[site] for site in block.planes), strict=True)
+                known[block.planes] = _Records(*(np.concatenate(x, 1) for x in each))
+            records = known[block.planes]
+            yield block, self._covariance(block, theta, records), records
 
     def _noise_share(self, block: Block) -> Array:
         """Return (N,) the share of a frame's noise that mean images have."""
@@ -254,21 +256,6 @@ def _slopes_of(
 def _response(block: Block) -> int:
     """Return which record the patterns of a part are recorded by."""
     return 3 if block.part == PIXEL else 7
-
-
-def _records_of(
-    block: Block,
-    recorded: Sequence[tuple[Array, Array]],
-    known: dict[Sequence[int], _Records],
-) -> _Records:
-    """Return the records of a block's planes. known : of other blocks."""
-    planes = tuple(block.planes)
-    if planes not in known:
-        each = [recorded[s] for s in planes]
-        known[planes] = _Records(
-            *(np.concatenate(some, axis=1) for some in zip(*each, strict=True))
-        )
-    return known[planes]
 
 
 def low_of(plane: PlaneStatistics, site: tuple[int, int], side: int) -> Array:

@@ -52,19 +52,19 @@ class PlaneLikelihood:
         statistics: ConstantStatistics,
         site: int,
         parameters: Parameters,
-        theta: Array | None = None,
-        earlier: Sequence[Recorder] = (),
+        theta: Array | None,
+        earlier: Sequence[Recorder],
     ) -> None:
         plane = statistics.planes[site]
         self.plane, self.site, self.parameters = plane, site, parameters
         self.frames = statistics.frames
-        self.is_flat = np.array([g.kind == "flat" for g in statistics.groups])
+        self.is_flat = statistics.is_flat
         self.time = np.array([g.charge_time for g in statistics.groups])
         self.repeats = self.frames > 1
         # Groups whose noise is measured: without repeats, by what images do not share.
         alone = ~self.repeats & (self.is_flat | ~self.repeats.any())
         self.measured = self.repeats | (alone & (alone.sum() > 1))
-        self.side = side = round(len(statistics.planes) ** 0.5)
+        self.side = statistics.side
         self.multiplicity = [c.multiplicity(*plane.shape) for c in TEMPORAL]
         again = np.maximum(self.frames - 1, 1)[:, None]
         # Means of lines are of the samples that are left, and freedom is less by those.
@@ -82,8 +82,8 @@ class PlaneLikelihood:
         # A lamp's shape changes slowly: frames next to each other have it in common.
         self.paired = self.is_flat & (statistics.pairs > 0) & (plane.freedom[PIXEL] > 0)
         self.scatter[self.paired, PIXEL] = plane.power[self.paired]
-        self.correlation = correlation_of(statistics, side)
-        self.freedom = freedom_of(plane, statistics, self.scatter, side)
+        self.correlation = correlation_of(statistics)
+        self.freedom = freedom_of(plane, statistics, self.scatter)
         pairs = statistics.pairs / np.maximum(self.frames - 1, 1)
         self.freedom[self.paired, PIXEL] *= pairs[self.paired]
         self.light = self._light(theta)
@@ -269,8 +269,8 @@ class PlaneLikelihood:
         pixel = self.scatter[:, PIXEL]
         lines = self.scatter[:, list(FAST_LINES)].sum(axis=1) - 2 * pixel
         low = self.correlation[:, PARTS.index("field")]
-        good = max(int((~self.plane.masked).sum()), 1)
-        found = np.array([pixel * (1 + low), np.maximum(lines, 0)]) / good
+        found = np.array([pixel * (1 + low), np.maximum(lines, 0)])
+        found /= max(self.plane.unmasked, 1)
         usual = self.measured & ~self.is_flat
         if usual.any():
             found[:, ~self.measured] = found[:, usual].mean(axis=1, keepdims=True)
@@ -285,15 +285,15 @@ def unshared(products: Array) -> Array:
     return found
 
 
-def correlation_of(statistics: ConstantStatistics, side: int) -> Array:
+def correlation_of(statistics: ConstantStatistics) -> Array:
     """Return (G, 8) by how much the correlation of next neighbours raises the variance
     of a part, as measured; groups without pairs have it of the darks, or of all."""
-    found = np.zeros((len(statistics.groups), len(PARTS)))
+    found, side = np.zeros((len(statistics.groups), len(PARTS))), statistics.side
     for down, across, parts in ((0, side, EVEN_ACROSS), (side, 0, EVEN_DOWN)):
         if (measured := neighbours(statistics, down, across)) is not None:
             found += 2 * measured[:, None] * parts
     known = statistics.pairs > 0
-    darks = known & np.array([g.kind == "dark" for g in statistics.groups])
+    darks = known & ~statistics.is_flat
     usual = darks if darks.any() else known
     if usual.any():
         found[~known] = found[usual].mean(axis=0)
@@ -301,11 +301,11 @@ def correlation_of(statistics: ConstantStatistics, side: int) -> Array:
 
 
 def freedom_of(
-    plane: PlaneStatistics, statistics: ConstantStatistics, scatter: Array, side: int
+    plane: PlaneStatistics, statistics: ConstantStatistics, scatter: Array
 ) -> Array:
     """Return (G, 8) degrees of freedom of the scatter: fewer where noise has tails, is
     correlated, or is of lines that planes share."""
-    again = statistics.frames - 1
+    again, side = statistics.frames - 1, statistics.side
     found: Array = plane.freedom * again[:, None]
     tails = np.nan_to_num(plane.fourth - 3) * again / statistics.frames
     within = [lag for lag in LAGS if not (lag[0] % side or lag[1] % side)]
@@ -315,7 +315,7 @@ def freedom_of(
     for part in range(PIXEL):
         planes = side if part in FAST_LINES else side**2
         for g in np.flatnonzero(again):
-            alike = planes * waves(plane, part, statistics.groups[g].kind == "flat")
+            alike = planes * waves(plane, part, bool(statistics.is_flat[g]))
             found[g, part] *= less_of(scatter[g, part], scatter[g, PIXEL], alike)
     return found
 

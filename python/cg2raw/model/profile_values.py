@@ -75,8 +75,8 @@ def profile_values(sensor: Sensor, iso: float | None, parameters: Parameters) ->
             found[parameters.of(parameter)] = value(effects[name], white)
     _, *blended = profile_lags(sensor)
     for name in PIXELS:
-        count = parameters.sites if name in ("read_noise", "gain") else 1
-        places = parameters.of(name) + np.arange(count)
+        of_sites = name in ("read_noise", "gain")
+        places = parameters.each(name) if of_sites else parameters.of(name)
         found[places] *= variance_left(*blended)
     for name in LINES:
         found[parameters.of(name)] *= variance_left_of_lines(*blended)

@@ -31,8 +31,7 @@ def structure_of(found: Fit, signature: str) -> tuple[float, float]:
         squares, variances = squares + one, variances + variance
         samples += plane.plane.masked.size
         slopes += slope
-    known = np.isfinite(np.diagonal(found.covariance)) & (slopes != 0)
-    variances += slopes[known] @ found.covariance[np.ix_(known, known)] @ slopes[known]
+    variances += found.variance_of(slopes)
     return squares / samples, float(np.sqrt(variances)) / samples
 
 

@@ -49,26 +49,24 @@ def effect_values(
     parameters of the null. white : DN above black. shapes : that are named. whole : the
     variance of read noise over that of samples that are not masked, and its standard
     error."""
-    for shape in shapes:
-        for one in shape.figures:
-            if np.isfinite([one.value, one.low, one.high]).all():
-                scale = white if one.unit.startswith("DN") else 1.0
-                numbers = (one.value, one.low, one.high)
-                yield Value(shape.name, one.name, *(x / scale for x in numbers))
-    for figure in figures_of(statistics, found):
-        if figure.name in FIGURES:
-            scale = 1.0 if figure.unit == "1" else white
-            numbers = (figure.value, figure.low, figure.high)
-            yield Value(*FIGURES[figure.name], *(x / scale for x in numbers))
-    at, count = found.parameters.of, found.parameters.sites
-    side = round(count**0.5)
+    known = [
+        (shape.name, one.name, one)
+        for shape in shapes
+        for one in shape.figures
+        if np.isfinite([one.value, one.low, one.high]).all()
+    ]
+    figures = figures_of(statistics, found)
+    known += [(*FIGURES[one.name], one) for one in figures if one.name in FIGURES]
+    for effect, name, one in known:
+        scale = white if one.unit.startswith("DN") else 1.0
+        yield Value(effect, name, *(x / scale for x in (one.value, one.low, one.high)))
     for effect, (parameter, name) in LOGARITHMS.items():
-        places = at(parameter) + np.arange(count)
-        ratio = found.theta[places] / profile[places]
-        covariance = found.covariance[np.ix_(places, places)]
+        own = found.parameters.each(parameter)
+        theta, covariance = found.theta[own], found.covariance[own, own]
+        ratio = theta / profile[own]
         if not (np.isfinite(covariance).all() and (ratio > 0).all()):
             continue
-        slope = 1 / found.theta[places] / count
+        slope = 1 / theta / len(theta)
         value = float(np.log(ratio).mean())
         error = float(np.sqrt(slope @ covariance @ slope))
         if effect == "read_noise":
@@ -76,13 +74,11 @@ def effect_values(
             error = float(np.hypot(error, whole[1] / whole[0]))
         half = NORMAL * error
         yield Value(effect, name, value, value - half, value + half)
-    for site in range(count):
-        place = at("black_level", site)
-        half = NORMAL * float(np.sqrt(found.covariance[place, place]))
+    own = found.parameters.each("black_level")
+    sites = np.ndindex(statistics.side, statistics.side)
+    more = found.theta[own] - profile[own]
+    halves = NORMAL * np.sqrt(np.diagonal(found.covariance)[own])
+    for (row, column), value, half in zip(sites, more, halves, strict=True):
         if np.isfinite(half):
-            row, column = divmod(site, side)
-            value = float(found.theta[place] - profile[place])
-            ends = (value, value - half, value + half)
-            yield Value(
-                "black_level", f"offset_{row}{column}", *(x / white for x in ends)
-            )
+            ends = (float(x) / white for x in (value, value - half, value + half))
+            yield Value("black_level", f"offset_{row}{column}", *ends)

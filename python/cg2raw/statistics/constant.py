@@ -8,6 +8,7 @@ columns are means times the root of how many samples they are of.
 """
 
 import json
+import math
 import os
 import zlib
 from collections.abc import Callable, Mapping, Sequence
@@ -133,6 +134,11 @@ class PlaneStatistics:
         return self.rows.shape[1], self.columns.shape[1]
 
     @cached_property
+    def unmasked(self) -> int:
+        """How many samples are not masked."""
+        return int(np.count_nonzero(~self.masked))
+
+    @cached_property
     def in_lines(self) -> NDArray[np.bool_]:
         """(h, w) which samples are in a row or column that is masked as a whole."""
         rows = np.asarray(self.masked.all(axis=1))
@@ -158,6 +164,14 @@ class PlaneStatistics:
         """The shares of columns, and of rows, that are not masked as a whole."""
         columns, rows = (1 - float(self.masked.all(axis=n).mean()) for n in (0, 1))
         return columns, rows
+
+    def smooth(self, number: int) -> Array:
+        """Return (h, w) DN, what all parts but pixel say of a group's mean image:
+        masked samples and lines have no part in it."""
+        one = slice(number, number + 1)
+        smooth = smooth_images(self.rows[one], self.columns[one], self.field[one])
+        found: Array = smooth[0] + self.level[number]
+        return found
 
     @cached_property
     def along_freedom(self) -> float:
@@ -195,6 +209,11 @@ class DarkRates:
     noise: float
     charge: float
 
+    def shot(self, gain: float) -> float:
+        """Return by how much the square of the noise grows with the rate, both in units
+        of noise. gain : DN^2 of noise for each DN of charge."""
+        return gain * self.charge / self.noise
+
 
 @dataclass(frozen=True)
 class ConstantStatistics:
@@ -226,14 +245,33 @@ class ConstantStatistics:
     lattice: Lattice | None = None
     spots: Spots | None = None
 
+    @property
+    def side(self) -> int:
+        """Samples along the CFA's repeat."""
+        return math.isqrt(len(self.planes))
+
+    @property
+    def unmasked(self) -> int:
+        """How many samples are not masked, of all planes."""
+        return sum(plane.unmasked for plane in self.planes)
+
+    @cached_property
+    def is_flat(self) -> NDArray[np.bool_]:
+        """(G,) which groups are of light."""
+        return np.array([group.kind == "flat" for group in self.groups], bool)
+
+    @cached_property
+    def splits(self) -> NDArray[np.str_]:
+        """(G,) of each group."""
+        return np.array([group.split for group in self.groups], str)
+
     def shortest_darks(self, split: str | None = None) -> NDArray[np.intp]:
         """Return the numbers of darks that repeat each other, of the shortest exposure
         time that does. split : of whose groups; None for all."""
-        used = [
-            group.kind == "dark" and split in (None, group.split)
-            for group in self.groups
-        ]
-        darks = np.flatnonzero(used & (self.pairs > 0))
+        used = ~self.is_flat & (self.pairs > 0)
+        if split is not None:
+            used &= self.splits == split
+        darks = np.flatnonzero(used)
         times = np.array([self.groups[n].exposure_time or 0.0 for n in darks], float)
         found: NDArray[np.intp] = darks[times == times.min(initial=np.inf)]
         return found
@@ -241,8 +279,7 @@ class ConstantStatistics:
     def masked(self, shape: tuple[int, int]) -> NDArray[np.bool_]:
         """Return (H, W), which samples are masked, of frames of a shape, whose last
         lines may be in none of the planes."""
-        side = round(len(self.planes) ** 0.5)
-        found = np.zeros(shape, bool)
+        side, found = self.side, np.zeros(shape, bool)
         for site, plane in enumerate(self.planes):
             row, column = divmod(site, side)
             h, w = plane.masked.shape
@@ -456,6 +493,19 @@ def _blocks(length: int) -> Array:
     """Return (BLOCKS, length), 1 where a sample along a side is in a block."""
     block = ((np.arange(length) + 1) * BLOCKS - 1) // length
     return np.equal.outer(np.arange(BLOCKS), block).astype(float)
+
+
+def lines_of_mosaic(profiles: Sequence[Array], across: bool) -> Array:
+    """Return (..., side * N), profiles of the mosaic: a line of it runs through as many
+    planes as its repeat has sites along it. profiles : of each plane, (..., N), its
+    columns if across, else its rows."""
+    side = math.isqrt(len(profiles))
+    *shape, count = profiles[0].shape
+    found = np.zeros((*shape, side * count))
+    for site, own in enumerate(profiles):
+        first = site % side if across else site // side
+        found[..., first::side] += own / side
+    return found
 
 
 def smooth_images(

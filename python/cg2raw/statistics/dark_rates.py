@@ -14,7 +14,6 @@ from cg2raw.statistics.constant import (
     ConstantStatistics,
     DarkRates,
     PlaneStatistics,
-    smooth_images,
 )
 
 
@@ -31,8 +30,7 @@ class Slope:
 
 def dark_rates(statistics: ConstantStatistics) -> tuple[DarkRates, ...]:
     """Return the rates of each split whose darks have several exposure times."""
-    found = []
-    side = round(len(statistics.planes) ** 0.5)
+    found, side = [], statistics.side
     for split in dict.fromkeys(group.split for group in statistics.groups):
         slope = slope_of(statistics, split)
         if slope is None:
@@ -42,14 +40,8 @@ def dark_rates(statistics: ConstantStatistics) -> tuple[DarkRates, ...]:
         for g in np.flatnonzero(slope.weights):
             mean = statistics.mean_of(int(g))
             for p, plane in enumerate(statistics.planes):
-                one = slice(g, g + 1)
-                smooth = smooth_images(
-                    plane.rows[one], plane.columns[one], plane.field[one]
-                )[0]
-                smooth += plane.level[g]
-                rest = mean[p // side :: side, p % side :: side] - smooth.astype(
-                    np.float32
-                )
+                smooth = plane.smooth(int(g)).astype(np.float32)
+                rest = mean[p // side :: side, p % side :: side] - smooth
                 rates[p] += np.float32(slope.weights[g]) * rest
         counts = np.zeros(len(RATE_EDGES) - 1, np.int64)
         noises = [
@@ -72,7 +64,7 @@ def dark_rates(statistics: ConstantStatistics) -> tuple[DarkRates, ...]:
 def slope_of(statistics: ConstantStatistics, split: str) -> Slope | None:
     """Return the least-squares slope of a split's darks; None of one exposure time,
     and where no two frames repeat each other."""
-    used = np.array([g.kind == "dark" and g.split == split for g in statistics.groups])
+    used = ~statistics.is_flat & (statistics.splits == split)
     time = np.array([g.charge_time for g in statistics.groups])
     known = used & (statistics.pairs > 0)
     if not known.any() or not np.ptp(time[used]):

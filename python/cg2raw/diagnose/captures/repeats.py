@@ -91,7 +91,6 @@ def repeats_of(found: ConstantStatistics, step: int) -> Repeats:
 
     A level varies by a share of the noise of pixels, and of that of whole rows and
     columns, which all planes of these rows and columns have together."""
-    side = math.isqrt(len(found.planes))
     samples = sum(plane.masked.size for plane in found.planes)
     pixel, *lines = (
         np.nan_to_num(found.variance(0, part)).mean()
@@ -102,7 +101,7 @@ def repeats_of(found: ConstantStatistics, step: int) -> Repeats:
     return Repeats(
         found.groups[0].frames,
         np.mean([plane.levels[0] for plane in found.planes], axis=0),
-        math.sqrt((pixel + side * own) / samples),
+        math.sqrt((pixel + found.side * own) / samples),
         math.sqrt(pixel),
         found.transients[0],
     )

@@ -242,7 +242,7 @@ def _rates(name: str, found: DarksAndFlats, model: Fit) -> Chart | None:
     first, last = rates[GROUPS[0]], rates[TEST]
     at = model.parameters.of("gain")
     gain = float(np.mean(model.theta[at : at + model.parameters.sites]))
-    shots = [max(gain, 0.0) * one.charge / one.noise for one in (first, last)]
+    shots = [one.shot(max(gain, 0.0)) for one in (first, last)]
     counts = first.counts.astype(float)
     shares = [
         fitted(counts, shots[0], uneven=True, hot=hot)

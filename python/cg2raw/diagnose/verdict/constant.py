@@ -170,8 +170,7 @@ def _notes(found: DarksAndFlats) -> list[str]:
 
 def samples_of(statistics: ConstantStatistics) -> int:
     """Return how many samples frames have that are not masked."""
-    each = sum(int((~plane.masked).sum()) for plane in statistics.planes)
-    return each * int(statistics.frames.sum())
+    return statistics.unmasked * int(statistics.frames.sum())
 
 
 def _by_split(statistics: ConstantStatistics) -> Mapping[str, list[str]]:

@@ -57,9 +57,8 @@ class Shown:
         return max(float(np.nan_to_num(np.mean(each))), 0.0)
 
     def shot(self, rates: DarkRates) -> float:
-        """Return by how much the square of a rate's noise grows with the rate, both in
-        units of noise."""
-        return self.gain(rates.split) * rates.charge / rates.noise
+        """Return DarkRates.shot by the gain of the split."""
+        return rates.shot(self.gain(rates.split))
 
     @property
     def samples(self) -> int:

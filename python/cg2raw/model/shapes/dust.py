@@ -10,7 +10,13 @@ from scipy.special import gammaincinv, stdtrit
 
 from cg2raw.model.figures import NORMAL, Figure
 from cg2raw.model.shapes.base import Shape, Shown
-from cg2raw.model.shapes.light_patterns import Excess, excess_of, frame_shape, nats_of
+from cg2raw.model.shapes.light_patterns import (
+    Excess,
+    excess_of,
+    excesses_of,
+    frame_shape,
+    nats_of,
+)
 from cg2raw.statistics.constant import Array
 
 NAME = "dust"
@@ -41,12 +47,9 @@ def dust(shown: Shown) -> Shape | None:
         return None
     shape = frame_shape(shown)
     numbers = spots.numbers(shape)
-    first, second, both = (
-        excess_of(shown, splits, numbers > 0)
-        for splits in (shown.splits[:1], shown.splits[1:], shown.splits)
-    )
-    if first is None or second is None or both is None:
+    if (excesses := excesses_of(shown, numbers > 0)) is None:
         return None
+    first, _, both = excesses
     of_pixels = numbers[first.rows, first.columns]
     nats, fitted = 0.0, []
     for number, place in enumerate(spots.places, 1):
@@ -56,7 +59,7 @@ def dust(shown: Shown) -> Shape | None:
         away = np.hypot(first.rows[own] - place[0], first.columns[own] - place[1])
         profile = np.exp2(-((away / (HALF * place[2])) ** 2))
         trained, measured, together = (
-            one.where(own).times(profile) for one in (first, second, both)
+            one.where(own).times(profile) for one in excesses
         )
         more = nats_of(trained, measured, together, spots.tried)
         nats += more if together[0] < 0 else -more

@@ -183,7 +183,7 @@ def whole_of(shown: Shown, split: str) -> tuple[float, float]:
     darks = shown.statistics.shortest_darks(split)
     planes = shown.statistics.planes
     points = points_of(shown.statistics)
-    count = np.array([float((~p.masked).sum()) for p in planes])
+    count = np.array([p.unmasked for p in planes])
     if not len(darks) or not count.sum():
         return 1.0, 0.0
     kept = float(count @ [p.power[darks].mean() for p in planes]) / count.sum()
@@ -202,9 +202,8 @@ def whole_of(shown: Shown, split: str) -> tuple[float, float]:
 def lost_of(shown: Shown) -> float:
     """Return by how much noise is more than residuals, which have lost what their lines
     have."""
-    planes = shown.statistics.planes
-    samples = sum(float((~p.masked).sum()) for p in planes)
-    return samples / sum(float(p.freedom[PIXEL]) for p in planes)
+    freedom = sum(float(p.freedom[PIXEL]) for p in shown.statistics.planes)
+    return shown.statistics.unmasked / freedom
 
 
 def core_of(shown: Shown, split: str) -> tuple[float, float] | None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.model.dark_law import DarkLaw, fitted, median_of, nats_of, with_hot
-from cg2raw.model.figures import NORMAL, Figure
+from cg2raw.model.figures import Figure
 from cg2raw.model.recorded import FINE
 from cg2raw.model.shapes.base import Shape, Shown, nats_of_overlap, points_of
 from cg2raw.model.shapes.random_telegraph_noise import noisy_outliers
@@ -74,14 +74,10 @@ def _far(shown: Shown) -> list[NDArray[np.bool_]]:
         rate, noise = np.concatenate(each, axis=1)
         rates.append(rate)
         noises.append(noise)
-    darks = [
-        g
-        for g, group in enumerate(shown.statistics.groups)
-        if group.kind == "dark"
-        and group.split in shown.splits
-        and shown.statistics.pairs[g]
-    ]
-    jumps = noisy_outliers(shown, np.array(darks, int)).any(axis=0)
+    statistics = shown.statistics
+    darks = ~statistics.is_flat & (statistics.pairs > 0)
+    darks &= np.isin(statistics.splits, shown.splits)
+    jumps = noisy_outliers(shown, np.flatnonzero(darks)).any(axis=0)
     return [
         (rate > FAR * noise) & ~jumps for rate, noise in zip(rates, noises, strict=True)
     ]
@@ -90,11 +86,6 @@ def _far(shown: Shown) -> list[NDArray[np.bool_]]:
 def _figures(law: DarkLaw, noise: float) -> tuple[Figure, ...]:
     share, rate = law.errors[3], law.errors[4] * noise
     return (
-        _figure("fraction", "1", law.fraction, share),
-        _figure("rate", "DN/s", law.hot_rate * noise, rate),
+        Figure.normal("fraction", "1", law.fraction, share, 0.0),
+        Figure.normal("rate", "DN/s", law.hot_rate * noise, rate, 0.0),
     )
-
-
-def _figure(name: str, unit: str, value: float, error: float) -> Figure:
-    low, high = max(value - NORMAL * error, 0.0), value + NORMAL * error
-    return Figure(name, unit, value, error, low, high)

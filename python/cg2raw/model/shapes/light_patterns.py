@@ -43,20 +43,12 @@ def excess_of(
     """Return the excess of light of samples (H, W) that are masked, in no masked line;
     None where the frames show none. splits : whose groups tell. Of what pixels differ
     by in darks, as an offset or in time, nothing is light."""
-    statistics, side = shown.statistics, round(len(shown.statistics.planes) ** 0.5)
-    groups = np.array(
-        [
-            g
-            for split in splits
-            for g, info in enumerate(statistics.groups)
-            if info.split == split
-        ]
-    )
-    infos = [statistics.groups[g] for g in groups]
-    dark_times = {one.exposure_time or 0.0 for one in infos if one.kind == "dark"}
-    times = np.array(
-        [[1.0, one.exposure_time or 0.0][: len(dark_times)] for one in infos]
-    )
+    statistics, side = shown.statistics, shown.statistics.side
+    each = [np.flatnonzero(statistics.splits == split) for split in splits]
+    groups = np.concatenate(each)
+    times = np.array([statistics.groups[g].exposure_time or 0.0 for g in groups])
+    dark_times = np.unique(times[~statistics.is_flat[groups]])
+    others = np.column_stack([np.ones_like(times), times])[:, : len(dark_times)]
     fits = [shown.fits[shown.splits.index(split)] for split in splits]
     found = []
     for p, plane in enumerate(statistics.planes):
@@ -65,7 +57,7 @@ def excess_of(
         light = np.concatenate([one.likelihood.planes[p].light for one in fits])
         covariance = plane.products[PIXEL][np.ix_(groups, groups)]
         covariance = covariance / max(plane.freedom[PIXEL], 1.0)
-        weights = _weights(light, times, covariance)
+        weights = _weights(light, others, covariance)
         if not used.any() or weights is None:
             continue
         above = plane.outliers[np.ix_(groups, used[plane.masked])]
@@ -81,8 +73,21 @@ def excess_of(
         )
     if not found:
         return None
-    at_rows, at_columns, values, each = zip(*found, strict=True)
-    return Excess(*map(np.concatenate, (at_rows, at_columns, values, each)))
+    return Excess(*map(np.concatenate, zip(*found, strict=True)))
+
+
+def excesses_of(
+    shown: Shown, samples: NDArray[np.bool_]
+) -> tuple[Excess, Excess, Excess] | None:
+    """Return the excess by the first split, the second, and by both together; None
+    where the frames do not show all of them."""
+    first, second, both = (
+        excess_of(shown, splits, samples)
+        for splits in (shown.splits[:1], shown.splits[1:], shown.splits)
+    )
+    if first is None or second is None or both is None:
+        return None
+    return first, second, both
 
 
 def _weights(light: Array, others: Array, covariance: Array) -> Array | None:
@@ -102,8 +107,7 @@ def _weights(light: Array, others: Array, covariance: Array) -> Array | None:
 
 def frame_shape(shown: Shown) -> tuple[int, int]:
     """Return the height and width of a frame, px."""
-    side = round(len(shown.statistics.planes) ** 0.5)
-    planes = shown.statistics.planes
+    side, planes = shown.statistics.side, shown.statistics.planes
     height = sum(plane.shape[0] for plane in planes[::side])
     return height, sum(plane.shape[1] for plane in planes[:side])
 

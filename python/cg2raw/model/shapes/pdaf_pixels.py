@@ -4,13 +4,13 @@
 
 import numpy as np
 
-from cg2raw.model.figures import NORMAL, Figure
+from cg2raw.model.figures import Figure
 from cg2raw.model.shapes.base import Shape, Shown
-from cg2raw.model.shapes.light_patterns import Excess, excess_of, frame_shape, nats_of
+from cg2raw.model.shapes.light_patterns import Excess, excesses_of, frame_shape, nats_of
+from cg2raw.statistics.spots import MAD
 
 NAME = "pdaf_pixels"
 FAR = 4.0  # standard deviations from the median, of a pixel that is none of the others
-MAD = 1.4826  # standard deviations in a median of absolute deviations
 
 
 def pdaf_pixels(shown: Shown) -> Shape | None:
@@ -19,23 +19,18 @@ def pdaf_pixels(shown: Shown) -> Shape | None:
     lattice = shown.statistics.lattice
     if lattice is None:
         return None
-    samples = lattice.samples(frame_shape(shown))
-    first, second, both = (
-        excess_of(shown, splits, samples)
-        for splits in (shown.splits[:1], shown.splits[1:], shown.splits)
-    )
-    if first is None or second is None or both is None:
+    excesses = excesses_of(shown, lattice.samples(frame_shape(shown)))
+    if excesses is None:
         return None
-    trained, measured, (gain, error) = map(_mean, (first, second, both))
+    trained, measured, (gain, error) = map(_mean, excesses)
     nats = nats_of(trained, measured, (gain, error), lattice.tried)
-    ends = gain - NORMAL * error, gain + NORMAL * error
     known = ("pitch", lattice.pitch), ("row", lattice.row), ("column", lattice.column)
     return Shape(
         NAME,
         nats,
         (
-            Figure("gain", "1", gain, error, *ends),
-            *(Figure(name, "px", float(x), 0.0, x, x) for name, x in known),
+            Figure.normal("gain", "1", gain, error),
+            *(Figure.normal(name, "px", float(x), 0.0) for name, x in known),
         ),
     )
 

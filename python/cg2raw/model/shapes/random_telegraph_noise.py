@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtri, erfc, log_ndtr, ndtr
 
-from cg2raw.model.figures import NORMAL, Figure
+from cg2raw.model.figures import Figure
 from cg2raw.model.recorded import FINE, differences
 from cg2raw.model.shapes.base import Shape, Shown, nats_beyond, points_of
 from cg2raw.statistics.codes import ROUNDING
@@ -57,15 +57,10 @@ def random_telegraph_noise(shown: Shown) -> Shape | None:
         NAME,
         nats,
         (
-            _figure("fraction", "1", share, share_error),
-            _figure("amplitude", "DN", unit * step, unit * error),
+            Figure.normal("fraction", "1", share, share_error, 0.0),
+            Figure.normal("amplitude", "DN", unit * step, unit * error, 0.0),
         ),
     )
-
-
-def _figure(name: str, unit: str, value: float, error: float) -> Figure:
-    low, high = max(value - NORMAL * error, 0.0), value + NORMAL * error
-    return Figure(name, unit, value, error, low, high)
 
 
 def _darks(shown: Shown) -> NDArray[np.intp]:
