@@ -84,6 +84,13 @@ class Calibration(DarkResults, FlatResults):
         """White above black, DN, mean of all sites: the unit of a signal."""
         return self.sensor.white_level - float(self.black.mean())
 
+    @property
+    def dark_variance(self) -> NDArray[np.float64]:
+        """(sites,) DN^2 of a pixel in a dark of no time, rounding included; none where
+        read noise is not known."""
+        read = [one.value**2 for one in self.each("read noise")]
+        return np.array(read) + self.sites.rounding
+
     def updated_profile(self, sensor: Sensor | None = None) -> str:
         """Return the JSON of a sensor's profile with what was measured.
 
@@ -232,7 +239,7 @@ def of_light(c: Calibration) -> Iterator[Answer]:
         is_bent = x.quadratic.stands_out and x.bend >= STEADY
         bend = {"quadratic": x.quadratic, **({"cubic": x.cubic} if x.cubic else {})}
         yield "nonlinearity", bend if is_bent else None
-    if c.transfer is not None and (full := c.transfer.saturation) is not None:
+    if (full := c.transfer.saturation) is not None:
         level = full.scaled(1 / c.range, "1")
         below = Measured(1 - level.value, level.standard_error, "1")
         is_full = c.transfer.clipped_by == FULL_WELL

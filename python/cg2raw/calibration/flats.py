@@ -118,16 +118,13 @@ class Linearity:
 @dataclass(frozen=True, kw_only=True)
 class FlatResults:
     """What flats show. response : (H, W) of each pixel, relative. lamp : relative,
-    standard deviation of their light. clipped : number of frames that show saturation
-    alone. faint : of those whose noise is rounding's."""
+    standard deviation of their light."""
 
-    transfer: PhotonTransfer | None = None
+    transfer: PhotonTransfer = field(default_factory=PhotonTransfer)
     light: Light | None = None
     response: Map | None = field(default=None, repr=False)
     linearity: Linearity | None = None
     lamp: Measured | None = None
-    clipped: int = 0
-    faint: int = 0
 
 
 def read_flats(
@@ -246,7 +243,7 @@ def above_darks(
 
     levels, black : (sites,) DN, by which flats were read, and as it is known now."""
     if not flats.points:
-        return FlatResults(clipped=flats.clipped)
+        return FlatResults(transfer=PhotonTransfer(clipped=flats.clipped))
     rate = darks.dark.rate.value if darks.dark else 0.0
     points = []
     for p in flats.points:
@@ -267,8 +264,6 @@ def above_darks(
         response=response,
         linearity=linearity(points, top, lamp.value if lamp else 0.0, white),
         lamp=lamp,
-        clipped=flats.clipped,
-        faint=sum(p.frames for p in points if p.is_coarse),
     )
 
 

@@ -33,9 +33,9 @@ def of_frames(found: Calibration, scanned: Sequence[Scanned]) -> Iterator[str]:
             f"a word: rounding adds {step}^2 / 12 DN^2 to noise, and the profile has "
             "quantisation"
         )
-    if found.clipped:
+    if clipped := found.transfer.clipped:
         yield (
-            f"{found.clipped} flats have more than {MOST_CLIPPED:.1%} of pixels at "
+            f"{clipped} flats have more than {MOST_CLIPPED:.1%} of pixels at "
             "white, at 0 DN or with a full well: they show saturation and nothing else"
         )
     if found.iso is None:
@@ -103,10 +103,10 @@ def of_flats(found: Calibration) -> Iterator[str]:
         yield "gain, PRNU, shading, linearity: no flats: capture some, of many levels"
         return
     transfer, line = found.transfer, found.linearity
-    if found.faint:
+    if faint := sum(point.frames for point in transfer.points if point.is_coarse):
         limit = math.sqrt(COARSE) * found.sites.step
         yield (
-            f"{found.faint} flats vary by less than {limit:.2g} DN, by rounding more "
+            f"{faint} flats vary by less than {limit:.2g} DN, by rounding more "
             "than by light: they are in no number: expose more, or at a higher ISO"
         )
     if found.figure("gain") is None:
@@ -114,7 +114,7 @@ def of_flats(found: Calibration) -> Iterator[str]:
             f"gain: needs two flats of one level below {LINEAR:.0%} of saturation, and "
             "two darks or flats of other levels"
         )
-    if transfer is not None and transfer.saturation is None:
+    if transfer.points and transfer.saturation is None:
         yield "full well: no flats reach it: add some, brighter and brighter"
     if found.light is None:
         yield "PRNU, shading: need two flats of one level below saturation"

@@ -15,7 +15,8 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from cg2raw.calibration.calibration import Calibration
-from cg2raw.calibration.measured import MAD, Array
+from cg2raw.calibration.measured import Array
+from cg2raw.statistics.spots import MAD
 
 CERTAIN = 8.0  # standard deviations of what steps are elsewhere
 # What moves a number: of the temporal dark noise, of the response, of a variance.
@@ -113,13 +114,11 @@ def steps_along(profile: Array, width: int) -> Array:
 def noises_of(found: Calibration) -> Iterator[tuple[str, Array, Array]]:
     """Yield (name, variances or gains, their relative errors), (blocks,); none of a
     read noise that rounding shapes."""
-    tails, read = found.tails, found.each("read noise")
+    tails, dark = found.tails, found.dark_variance[:, None]
     if tails is not None and tails.excess_kurtosis is not None:
         yield "variance of the read noise", tails.variance.mean(0), tails.error
-    points = found.transfer.points if found.transfer else []
-    used = [point for point in points if point.is_right]
-    if used and read:
-        dark = np.array([m.value**2 + found.sites.rounding for m in read])[:, None]
+    used = [point for point in found.transfer.points if point.is_right]
+    if used and len(dark):
         mean = np.where(used[-1].mean > 0, used[-1].mean, np.nan)
         relative = np.sqrt((used[-1].error ** 2).mean(0) / len(dark))
         yield "gain", ((used[-1].variance - dark) / mean).mean(0), relative

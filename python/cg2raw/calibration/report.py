@@ -54,7 +54,7 @@ def page_of(found: Calibration) -> Page:
         headline = f"{words(gain).replace('e-/DN', 'electrons per DN')}"
     numbers = {
         "temporal dark noise": found.figure("temporal dark noise"),
-        "saturation": found.transfer.saturation if found.transfer else None,
+        "saturation": found.transfer.saturation,
         "dynamic range": dynamic_range(found),
     }
     tables = []
@@ -119,7 +119,7 @@ def card(
 
 def cards(found: Calibration) -> Iterator[Card]:
     """Yield a card for each curve that the frames show."""
-    if found.transfer is not None and (gain := found.figure("gain")) is not None:
+    if found.transfer.points and (gain := found.figure("gain")) is not None:
         yield from transfer(found, gain)
     if (line := found.linearity) is not None:
         flat = np.array([line.levels.min(), line.levels.max()])
@@ -143,12 +143,11 @@ def cards(found: Calibration) -> Iterator[Card]:
 def transfer(found: Calibration, gain: Measured) -> Iterator[Card]:
     """Yield variance against mean, and the line of the gain; and signal over noise, of
     a pixel from frame to frame, and with patterns."""
-    assert found.transfer is not None
     points = found.transfer.points
     top = max(float(point.mean.max()) for point in points)
     x = np.geomspace(max(top / 1e4, 0.1), top, 60)
-    read = [one.value**2 + found.sites.rounding for one in found.each("read noise")]
-    dark = float(np.mean(read)) if read else 0.0  # of no time, rounding included
+    each = found.dark_variance
+    dark = float(each.mean()) if len(each) else 0.0
     temporal = dark + x / gain.value
     variances = [
         Mark("with shot noise", x, temporal, "solid", AFTER),

@@ -125,10 +125,10 @@ def dark_lines(found: Calibration) -> Iterator[Line]:
 
 def light_lines(found: Calibration) -> Iterator[Line]:
     """Yield what light shows."""
-    t, light = found.transfer, found.light
+    transfer, light = found.transfer, found.light
     gain, *others = OF_LIGHT
     yield from figures(found, (gain,))
-    yield "saturation", t.saturation if t else None, t.clipped_by if t else ""
+    yield "saturation", transfer.saturation, transfer.clipped_by
     yield "dynamic range", dynamic_range(found), ""
     yield "linearity error", found.linearity.error if found.linearity else None, ""
     yield from figures(found, others)
@@ -157,8 +157,7 @@ def figures(found: Calibration, names: Sequence[str]) -> Iterator[Line]:
 
 def dynamic_range(found: Calibration) -> Measured | None:
     """Return saturation over temporal dark noise, dB; None if either is not known."""
-    full = found.transfer.saturation if found.transfer else None
-    noise = found.figure("temporal dark noise")
+    full, noise = found.transfer.saturation, found.figure("temporal dark noise")
     if full is None or noise is None:
         return None
     errors = (one.standard_error / one.value for one in (full, noise))
