@@ -216,23 +216,6 @@ PartSquares squares_of_parts(const PlaneParts& plane, const PlaneSums& sums)
     };
 }
 
-double squares_along(const PlaneParts& plane, const PlaneSums& sums)
-{
-    double found = 0.0;
-    for (std::size_t k = 0; k < std::size_t(plane.across.in_field()); ++k) {
-        double mean = 0.0, squares = 0.0;
-        for (const auto& row : sums.along)
-            mean += row[k];
-        mean /= plane.height();
-        for (const auto& row : sums.along)
-            squares += (row[k] - mean) * (row[k] - mean);
-        found += squares;
-    }
-    for (const double value : sums.field) // is no part of pixel
-        found -= value * value;
-    return std::max(found, 0.0);
-}
-
 template <class T>
 std::vector<PlaneSums>
 sums_of(const Plane<const T>& image, const std::vector<PlaneParts>& planes,

@@ -339,7 +339,6 @@ void FrameStatistics::add_frame(int group, const Plane<const std::uint16_t>& fra
             pixel -= squares[part];
         }
         to.scatter[part_count - 1] += pixel;
-        to.along += squares_along(plane, rest);
     }
 }
 

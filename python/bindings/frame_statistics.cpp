@@ -105,7 +105,7 @@ py::dict plane_of_groups(const FrameStatistics& self, std::size_t p,
         masked.mutable_data()[at] = true;
     found["masked"] = masked;
     found["freedom"] = Doubles(part_count, mask.freedom.data());
-    Doubles level(py::ssize_t(groups.size())), along(level.size()), power(level.size()),
+    Doubles level(py::ssize_t(groups.size())), power(level.size()),
         fourth(level.size());
     py::list levels;
     for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -114,14 +114,12 @@ py::dict plane_of_groups(const FrameStatistics& self, std::size_t p,
         const double pairs = mask.freedom.back() > 0.0 ? groups[g].pairs : 0.0;
         const auto at = py::ssize_t(g);
         level.mutable_at(at) = one.base + one.mean.sum / plane.samples();
-        along.mutable_at(at) = groups[g].frames > 1 ? one.along : 0.0;
         power.mutable_at(at) = one.power / pairs;
         fourth.mutable_at(at) = one.fourth / pairs;
         levels.append(Doubles(py::ssize_t(one.levels.size()), one.levels.data()));
     }
     found["level"] = level;
     found["levels"] = py::tuple(levels);
-    found["along"] = along;
     found["power"] = power;
     found["fourth"] = fourth;
     std::vector<double> room;

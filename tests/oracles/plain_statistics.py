@@ -143,7 +143,6 @@ def plane_statistics(groups, white, excluded):
         field=np.array([field_of(mean) for mean in centred]),
         whole=np.einsum("ahw,bhw->ab", centred, centred),
         scatter=np.array([scatter_of(frames) for frames in groups]),
-        along=np.array([along_of(frames) for frames in groups]),
         power=power,
         fourth=fourth,
         residuals=histograms,
@@ -230,14 +229,6 @@ def scatter_of(frames):
     low = [np.trace(one) for both in lines for one in both]
     low.append(sum((field_of(one) ** 2).sum() for one in rest))
     return np.array([*low, (rest**2).sum() - sum(low)])
-
-
-def along_of(frames):
-    """Return the sum of squares of pixel's coefficients of low frequency along rows."""
-    rest = frames - frames.mean(axis=0)
-    found = rest @ polynomials(frames.shape[2])[1 : FIELD + 1].T
-    found -= found.mean(axis=1, keepdims=True)
-    return (found**2).sum() - sum((field_of(one) ** 2).sum() for one in rest)
 
 
 def correlation(image, down, across):

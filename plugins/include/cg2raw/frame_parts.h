@@ -110,9 +110,6 @@ private:
 /// Squares of an image's coefficients in each part but pixel, which is 0.
 PartSquares squares_of_parts(const PlaneParts& plane, const PlaneSums& sums);
 
-/// Squares of pixel's coefficients of the field's polynomials across.
-double squares_along(const PlaneParts& plane, const PlaneSums& sums);
-
 /// Sums of each plane of an image, samples less the plane's base.
 template <class T>
 std::vector<PlaneSums>

@@ -43,7 +43,6 @@ struct PlaneOfGroup {
     PlaneSums mean; ///< of the mean image less base, whose masked samples are filled
     std::vector<double> levels; ///< of each frame, DN
     PartSquares scatter {}; ///< of the frames about their mean, DN^2
-    double along = 0.0; ///< of scatter, pixel's of low frequency along rows, DN^2
     double power = 0.0; ///< of pixel in (a - b) / sqrt(2), sum over pairs, DN^2
     double fourth
         = 0.0; ///< their mean fourth power over their variance's square, likewise

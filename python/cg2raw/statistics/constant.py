@@ -26,13 +26,13 @@ from cg2raw.statistics.patterns import Lattice, Spots
 
 Array = NDArray[np.float64]
 
-VERSION = 6  # of saved files
+VERSION = 7  # of saved files
 DAMAGED = (AttributeError, EOFError, KeyError, TypeError, ValueError)  # what they raise
 WHOLE = ("frames", "pairs", "lags", "transients", "overlaps")  # of no plane
 
 # Of a plane, in DN and in DN^2.
 OF_LEVELS = ("rows", "columns", "field", "places", "outliers")
-OF_SQUARES = ("whole", "scatter", "along", "power", "noise", "outlier_noise")
+OF_SQUARES = ("whole", "scatter", "power", "noise", "outlier_noise")
 
 SMOOTH, SLOW, FIELD = 3, 11, 5  # highest degrees of polynomials
 PARTS = (
@@ -92,8 +92,6 @@ class PlaneStatistics:
     field : (G, 5, 5) coefficients. whole : (G, G) DN^2, inner products of the mean
     images less their levels. scatter : (G, 8) DN^2, sums of squares of the frames'
     coefficients about those of their mean: freedom * (frames - 1) of them.
-    along : (G,) DN^2, of scatter, what is of low frequency along rows (polynomials of
-    degree 1 to FIELD) in pixel: along_freedom * (frames - 1) of them.
     power : (G,) DN^2, variance of a frame by the pixel part of (a - b) / sqrt(2) over
     disjoint pairs of frames; nan without pairs. fourth : (G,) mean fourth power of the
     pairs' residuals over the square of their mean square. residuals : (G, 512) how many
@@ -116,7 +114,6 @@ class PlaneStatistics:
     field: Array
     whole: Array
     scatter: Array
-    along: Array
     power: Array
     fourth: Array
     residuals: NDArray[np.int64]
@@ -172,13 +169,6 @@ class PlaneStatistics:
         smooth = smooth_images(self.rows[one], self.columns[one], self.field[one])
         found: Array = smooth[0] + self.level[number]
         return found
-
-    @cached_property
-    def along_freedom(self) -> float:
-        """Degrees of freedom of along, masked samples taken off."""
-        h, w = self.shape
-        down, across = (min(len(polynomials(n)) - 1, FIELD) for n in (h, w))
-        return across * (h - 1 - down) * (1 - float(self.masked.mean()))
 
     @cached_property
     def products(self) -> Array:
