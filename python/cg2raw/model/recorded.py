@@ -33,16 +33,8 @@ NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
 WEIGHTS = WEIGHTS / WEIGHTS.sum()
 
 
-class Moments(NamedTuple):
-    """Of recorded codes, DN, DN^2 and 1: (N,) each. kurtosis : excess."""
-
-    mean: Array
-    variance: Array
-    kurtosis: Array
-
-
-def recorded(mean: Array, variance: float, white: int) -> Moments:
-    """Return the moments of the codes of signals of the same noise.
+def recorded(mean: Array, variance: float, white: int) -> tuple[Array, Array]:
+    """Return mean, DN, and variance, DN^2, of the codes of signals of the same noise.
 
     mean : (N,) DN, before rounding. variance : DN^2, above 0. white : DN."""
     mean, sigma = np.asarray(mean, float)[:, None], np.sqrt(variance)
@@ -54,24 +46,19 @@ def recorded(mean: Array, variance: float, white: int) -> Moments:
     codes = np.clip(codes, 0, white)
     first = (share * codes).sum(axis=1)
     rest = codes - first[:, None]
-    second = np.maximum((share * rest**2).sum(axis=1), 1e-12)
-    fourth = (share * rest**4).sum(axis=1)
-    return Moments(first, second, fourth / second**2 - 3)
+    return first, np.maximum((share * rest**2).sum(axis=1), 1e-12)
 
 
-def _with_ends(grid: Array, variance: float, white: int) -> Moments:
-    """Return the moments of the codes of signals as recorded does. grid : (N,) DN. What
-    is far from 0 and white has those of fine codes, where noise is not below FINE."""
+def _with_ends(grid: Array, variance: float, white: int) -> tuple[Array, Array]:
+    """Return what recorded does. grid : (N,) DN. What is far from 0 and white has the
+    moments of fine codes, where noise is not below FINE."""
     if variance <= FINE:
         return recorded(grid, variance, white)
     reach = REACH * np.sqrt(variance) + 1
     near = (grid < reach) | (grid > white - reach)
-    found = Moments(grid.copy(), np.full(len(grid), variance + ROUNDING), 0 * grid)
-    for of_all, of_near in zip(
-        found, recorded(grid[near], variance, white), strict=True
-    ):
-        of_all[near] = of_near
-    return found
+    mean, of_codes = grid.copy(), np.full(len(grid), variance + ROUNDING)
+    mean[near], of_codes[near] = recorded(grid[near], variance, white)
+    return mean, of_codes
 
 
 def differences(
@@ -232,17 +219,16 @@ class _Codes:
         self.inside, noise = inside, offsets.noise
         if inside:
             self.grid = np.linspace(0, 1, STEPS + 1)
-            moments = recorded(self.grid + 100, noise, 200)
-            self.mean = moments.mean - 100
+            far, self.variance = recorded(self.grid + 100, noise, 200)
+            self.mean = far - 100
             self.room = np.linspace(-1, 2, 3 * STEPS // 4 + 1)
         else:
             most = REACH * np.sqrt(noise + offsets.lines + offsets.fixed) + 1
             low, high = int(codes.min() - 2 * most) - 1, int(codes.max() + 2 * most) + 1
             steps = min(STEPS, STEPS_PER_SIGMA / np.sqrt(noise))
             self.grid = np.linspace(low, high, int((high - low) * steps) + 2)
-            moments = _with_ends(self.grid, noise, white)
-            self.mean, self.room = moments.mean, self.grid[::4]
-        self.variance = moments.variance
+            self.mean, self.variance = _with_ends(self.grid, noise, white)
+            self.room = self.grid[::4]
 
     def of(self, values: Array, at: Array) -> Array:
         """Return what has values on the grid, by linear interpolation."""
