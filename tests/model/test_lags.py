@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 from scipy.ndimage import convolve
 
-from cg2raw.model.correlation import neighbours, variance_left, variance_left_of_lines
 from cg2raw.model.fit import fit
 from cg2raw.model.lags import (
     Blended,
     lag_gains,
     lags_of,
     shared_by,
+    variance_left,
+    variance_left_of_lines,
 )
+from cg2raw.model.planes import neighbours
 from cg2raw.statistics.constant import LAGS, GroupInfo
 from cg2raw.statistics.frame_statistics import frame_statistics
 from tiers import first_fast

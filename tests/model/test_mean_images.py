@@ -31,8 +31,7 @@ def test_planes_of_a_smooth_frame_are_alike():
     group = GroupInfo("flat", ("a",))
     found = frame_statistics([(group, [lambda: frame])], 2, 65535)
     first, *others = (
-        coefficients_of(plane, divmod(site, 2), 2)
-        for site, plane in enumerate(found.planes)
+        coefficients_of(plane, site, 2) for site, plane in enumerate(found.planes)
     )
     low = [part for part, name in enumerate(PARTS[:-1]) if "fast" not in name]
     for other in others:
@@ -40,7 +39,7 @@ def test_planes_of_a_smooth_frame_are_alike():
             assert other[part] == pytest.approx(first[part], abs=2.0)
     assert np.abs(first[low[1]]).max() > 2e4  # of which 2 is little
     levels = [
-        plane.level[0] + low_of(plane, divmod(site, 2), 2)[0, 0, 0] / np.sqrt(48 * 64)
+        plane.level[0] + low_of(plane, site, 2)[0, 0, 0] / np.sqrt(48 * 64)
         for site, plane in enumerate(found.planes)
     ]
     assert np.ptp(levels) < 0.05  # of means that are 14 DN apart

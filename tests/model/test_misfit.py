@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import chi2
 
 from cg2raw.model.fit import fit
-from cg2raw.model.misfit import Misfit, misfits
+from cg2raw.model.likelihood import Misfit, misfits
 from model.planted import planted
 
 P_VALUE = 1e-5  # of some dozens of tests

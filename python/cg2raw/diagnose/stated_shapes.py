@@ -160,7 +160,7 @@ class StatedShapes:
             columns=image.columns[None],
             field=image.field[None],
         )
-        each = coefficients_of(bare, (0, 0), statistics.side)
+        each = coefficients_of(bare, 0, statistics.side)
         return SHAPE_ERROR * max(float((x**2).mean()) for x in each if x.size)
 
 

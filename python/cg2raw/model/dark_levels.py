@@ -198,7 +198,7 @@ def mean_of_glow(fit: Fit) -> float:
     down, across = (polynomials(length) for length in planes[0].plane.shape)
     image = np.zeros(planes[0].plane.shape)
     for site, plane in enumerate(planes):
-        low = np.tensordot(weights, low_of(plane.plane, divmod(site, side), side), 1)
+        low = np.tensordot(weights, low_of(plane.plane, site, side), 1)
         low[0, 0] = 0.0
         image += down.T @ low @ across / len(planes)
     return max(-float(np.quantile(image, LOWEST)), 0.0)

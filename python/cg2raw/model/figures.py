@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gammaincinv, stdtrit
 
-from cg2raw.model.correlation import neighbours
 from cg2raw.model.fit import Fit
 from cg2raw.model.levels import Line
-from cg2raw.model.planes import PlaneLikelihood
+from cg2raw.model.planes import PlaneLikelihood, neighbours
 from cg2raw.model.structure import structure_of
 from cg2raw.statistics.constant import Array, ConstantStatistics
 
@@ -147,10 +146,6 @@ def _root(
     return Figure(name, unit, value, error, low, high, site)
 
 
-def _of_variance(found: Fit, parameter: str, name: str, unit: str) -> Figure:
-    return _root(name, unit, *found.of(parameter))
-
-
 def _noise(found: Fit) -> Iterator[Figure]:
     for site, plane in enumerate(found.likelihood.planes):
         read, error = found.of("read_noise", site)
@@ -167,8 +162,8 @@ def _noise(found: Fit) -> Iterator[Figure]:
             float(np.sqrt(found.variance_of(slope))),
             site=site,
         )
-    yield _of_variance(found, "row_noise", "row noise", "DN")
-    yield _of_variance(found, "column_noise", "column noise", "DN")
+    yield _root("row noise", "DN", *found.of("row_noise"))
+    yield _root("column noise", "DN", *found.of("column_noise"))
 
 
 def _correlations(statistics: ConstantStatistics, found: Fit) -> Iterator[Figure]:
@@ -206,14 +201,13 @@ def _coded(found: Fit, plane: PlaneLikelihood) -> tuple[Array, Array]:
 
 
 def _patterns(found: Fit) -> Iterator[Figure]:
-    yield _of_variance(found, "dsnu", "DSNU", "DN")
-    yield _of_variance(found, "column_fixed_pattern", "fixed column pattern", "DN")
-    yield _of_variance(found, "row_fixed_pattern", "fixed row pattern", "DN")
-    yield _structure(found, "constant", "bias structure", "DN")
-    yield _of_variance(
-        found, "dark_current_nonuniformity", "dark current nonuniformity", "DN/s"
-    )
-    yield _structure(found, "time", "glow", "DN/s")
+    yield _root("DSNU", "DN", *found.of("dsnu"))
+    yield _root("fixed column pattern", "DN", *found.of("column_fixed_pattern"))
+    yield _root("fixed row pattern", "DN", *found.of("row_fixed_pattern"))
+    yield _root("bias structure", "DN", *structure_of(found, "constant"))
+    uneven = found.of("dark_current_nonuniformity")
+    yield _root("dark current nonuniformity", "DN/s", *uneven)
+    yield _root("glow", "DN/s", *structure_of(found, "time"))
 
 
 def _light(found: Fit) -> Iterator[Figure]:
@@ -224,13 +218,9 @@ def _light(found: Fit) -> Iterator[Figure]:
         yield Figure(
             "gain", "e-/DN", _inverse(value), relative * _inverse(value), *ends, site
         )
-    yield _of_variance(found, "prnu", "PRNU", "1")
-    yield _structure(found, "light", "shading", "1")
+    yield _root("PRNU", "1", *found.of("prnu"))
+    yield _root("shading", "1", *structure_of(found, "light"))
 
 
 def _inverse(value: float) -> float:
     return 1 / value if value > 0 else np.inf
-
-
-def _structure(found: Fit, signature: str, name: str, unit: str) -> Figure:
-    return _root(name, unit, *structure_of(found, signature))

@@ -248,7 +248,7 @@ def _middles(
     side, count = planes[0].side, len(planes)
     values, variances, moved = (np.zeros(light.shape) for _ in range(3))
     for site, plane in enumerate(planes):
-        low = low_of(plane.plane, divmod(site, side), side)
+        low = low_of(plane.plane, site, side)
         above, samples = middle_of(plane.plane, low)
         values[site] = above[groups] / light[site]
         level = low[groups, 0, 0] / np.sqrt(plane.plane.masked.size)

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.signal import correlate2d
 
-from cg2raw.model.correlation import variance_left
 from cg2raw.model.fit import Fit, Prior
 from cg2raw.model.smallest_set import gains_in_smallest_set
 from cg2raw.model.values import LOGARITHMS
@@ -134,6 +133,17 @@ class Lags:
         covariance = np.zeros((3, 3))
         covariance[np.ix_(free, free)] = np.linalg.pinv(found.jac.T @ found.jac)
         return whole(found.x), covariance
+
+
+def variance_left(blend: float, diagonal: float) -> float:
+    """Return the share of the variance of white noise that blending leaves."""
+    return (1 - blend - diagonal) ** 2 + (blend**2 + diagonal**2) / 4
+
+
+def variance_left_of_lines(blend: float, diagonal: float) -> float:
+    """Return the share that blending leaves of the variance of rows, or of columns,
+    whose samples are alike."""
+    return (1 - blend / 2 - diagonal) ** 2 + (blend / 2 + diagonal) ** 2 / 2
 
 
 def shared_by(blend: float, diagonal: float) -> Array:

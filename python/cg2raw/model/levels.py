@@ -125,18 +125,11 @@ class LevelLikelihood:
         for number, g in enumerate(self.darks):
             if self.frames[number] > 1:
                 levels = np.array([plane.plane.levels[g] for plane in self.planes])
-                both = np.cov(
-                    self.turn[0] @ levels, self._warmer(number) + 0 * levels[0]
-                )
+                group = self.groups[number]
+                time, warmth = group.exposure_time or 0.0, group.warmth or (1.0,)
+                charge = self.rate * time * (np.array(warmth) - np.mean(warmth))
+                both = np.cov(self.turn[0] @ levels, charge + 0 * levels[0])
                 found[number] = both[0, 0], both[0, 1], both[1, 1]
-        return found
-
-    def _warmer(self, number: int) -> Array:
-        """Return (frames,) DN, what frames of a group of darks have more of charge than
-        their mean, as readings say."""
-        group = self.groups[number]
-        warmer = np.array(group.warmth or (1.0,)) - np.mean(group.warmth or 1.0)
-        found: Array = self.rate * (group.exposure_time or 0.0) * warmer
         return found
 
     @cached_property

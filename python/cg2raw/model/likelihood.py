@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""The likelihood of the statistics of darks and flats, linear in variances."""
+"""The likelihood of the statistics of darks and flats, linear in variances, and how
+well a fit describes frames: squares over what is expected, part by part."""
 
+from collections.abc import Iterator
 from copy import copy
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -10,7 +13,7 @@ from cg2raw.model.evaluation import Evaluation, Parameters
 from cg2raw.model.levels import LevelLikelihood
 from cg2raw.model.mean_images import MeanImageLikelihood
 from cg2raw.model.planes import PlaneLikelihood
-from cg2raw.statistics.constant import Array, ConstantStatistics
+from cg2raw.statistics.constant import PARTS, Array, ConstantStatistics
 
 
 class Likelihood:
@@ -70,3 +73,52 @@ class Likelihood:
             self.means.add_to(found, theta, recorded)
         self.levels.add_to(found, theta, recorded)
         return found
+
+
+class Misfit(NamedTuple):
+    """Of a part of the frames: its squares over their expectation, of given freedom.
+
+    what : "noise", from frame to frame, or "pattern", of mean images. part : of PARTS.
+    group : number of the group; of patterns that which misses its own by most."""
+
+    what: Literal["noise", "pattern"]
+    part: str
+    group: int
+    squares: float
+    freedom: float
+
+    @property
+    def ratio(self) -> float:
+        """Squares over their expectation: 1 if the fit is right."""
+        return self.squares / self.freedom
+
+    @property
+    def nats(self) -> float:
+        """What a right variance would gain."""
+        return self.freedom / 2 * (self.ratio - 1 - float(np.log(self.ratio)))
+
+
+def misfits(likelihood: Likelihood, theta: Array) -> Iterator[Misfit]:
+    """Yield the misfit of each part: its noise in each group, and its patterns."""
+    recorded = [plane.records(theta) for plane in likelihood.planes]
+    squares, freedom = (np.zeros_like(likelihood.planes[0].scatter) for _ in range(2))
+    for plane, known in zip(likelihood.planes, recorded, strict=True):
+        expected, _ = plane.temporal(theta, *known)
+        squares = squares + plane.freedom * plane.scatter / expected
+        freedom = freedom + plane.freedom
+    for g, part in np.argwhere(freedom > 0):
+        each = float(squares[g, part]), float(freedom[g, part])
+        yield Misfit("noise", PARTS[part], int(g), *each)
+    for part, name in enumerate(PARTS):
+        total, count = 0.0, 0.0
+        by_group = np.zeros(len(likelihood.planes[0].frames))
+        for block, covariance in likelihood.means.covariances(theta, recorded):
+            if block.part == part:
+                whitened = np.linalg.solve(covariance, block.products)
+                total += block.freedom * float(np.trace(whitened))
+                count += block.freedom * len(covariance)
+                own = np.diagonal(block.products) / np.diagonal(covariance)
+                by_group += own.reshape(len(block.planes), -1).sum(axis=0)
+        if count > 0:
+            worst = int(np.argmax(np.abs(np.log(np.maximum(by_group, 1e-300)))))
+            yield Misfit("pattern", name, worst, total, count)

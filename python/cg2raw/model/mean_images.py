@@ -27,9 +27,8 @@ from cg2raw.model.components import (
     TEMPORAL,
     Component,
 )
-from cg2raw.model.correlation import neighbours
 from cg2raw.model.evaluation import Evaluation
-from cg2raw.model.planes import PlaneLikelihood, less_of, waves
+from cg2raw.model.planes import PlaneLikelihood, less_of, neighbours, waves
 from cg2raw.statistics.constant import (
     FIELD,
     PARTS,
@@ -96,7 +95,7 @@ class MeanImageLikelihood:
         chosen += [(PIXEL, [site]) for site in everything]
         side = planes[0].side
         coefficients = [
-            coefficients_of(plane.plane, divmod(site, side), side)
+            coefficients_of(plane.plane, site, side)
             for site, plane in enumerate(planes)
         ]
         self.blocks = []
@@ -258,12 +257,12 @@ def _response(block: Block) -> int:
     return 3 if block.part == PIXEL else 7
 
 
-def low_of(plane: PlaneStatistics, site: tuple[int, int], side: int) -> Array:
+def low_of(plane: PlaneStatistics, site: int, side: int) -> Array:
     """Return (G, degrees down, degrees across), the coefficients of polynomials of mean
     images; none of both, rows and columns, is above FIELD. Their places are those of
     the middle of the CFA's repeat: the first is what that adds to the level.
 
-    site : row and column of the plane's samples in it. side : px."""
+    site : of the plane in it. side : px."""
     h, w = plane.shape
     down, across = polynomials(h), polynomials(w)
     found: Array = np.zeros((len(plane.rows), len(down), len(across)))
@@ -273,14 +272,12 @@ def low_of(plane: PlaneStatistics, site: tuple[int, int], side: int) -> Array:
     of_field[:] = plane.field[:, : of_field.shape[1], : of_field.shape[2]]
     moved = [
         moved_by(length, (of - (side - 1) / 2) / side)
-        for length, of in zip((h, w), site, strict=True)
+        for length, of in zip((h, w), divmod(site, side), strict=True)
     ]
     return np.asarray(np.einsum("jk,gkl,ml->gjm", moved[0], found, moved[1]))
 
 
-def coefficients_of(
-    plane: PlaneStatistics, site: tuple[int, int], side: int
-) -> list[Array]:
+def coefficients_of(plane: PlaneStatistics, site: int, side: int) -> list[Array]:
     """Return (G, n) coefficients of each part but pixel, in the order of PARTS."""
     h, w = plane.shape
     down, across = polynomials(h)[1:], polynomials(w)[1:]

@@ -19,7 +19,6 @@ from cg2raw.model.components import (
     TEMPORAL,
     Component,
 )
-from cg2raw.model.correlation import neighbours
 from cg2raw.model.evaluation import Evaluation, Parameters
 from cg2raw.model.recorded import (
     LEAST_OFFSET,
@@ -29,6 +28,7 @@ from cg2raw.model.recorded import (
     shrunk,
 )
 from cg2raw.statistics.constant import (
+    FIELD,
     LAGS,
     PARTS,
     PIXEL,
@@ -282,6 +282,30 @@ def unshared(products: Array) -> Array:
 
     products : (G, G) of their pixel parts, mean over freedom."""
     found: Array = 1 / np.diagonal(np.linalg.pinv(products, hermitian=True))
+    return found
+
+
+def neighbours(statistics: ConstantStatistics, down: int, across: int) -> Array | None:
+    """Return (G,) correlations with the sample @down rows and @across columns away; 0
+    of groups without pairs. None if it was not measured.
+
+    Residuals have lost the means of their lines and the field: white noise has -1 / n
+    along a line of n, and correlation itself loses twice that, and 1 / n' of lines of
+    n' that run the other way. Lines of two planes lose only half of it."""
+    if (down, across) not in LAGS:
+        return None
+    h, w = statistics.planes[0].shape
+    along, other = (w, h) if across else (h, w)
+    within = down % statistics.side == 0 and across % statistics.side == 0
+    measured = statistics.lags[:, LAGS.index((down, across))]
+    if min(along, other) < 4:
+        return 0 * measured
+    if down and across:
+        lost = within * (FIELD**2 - 1) / (h * w)
+        return np.where(statistics.pairs > 0, measured + lost, 0.0)
+    lost = 1 / along + FIELD**2 / (h * w)
+    found: Array = (measured + within * lost) / (1 - (1 + within) * lost - 1 / other)
+    found[statistics.pairs == 0] = 0.0
     return found
 
 

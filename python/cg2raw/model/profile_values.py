@@ -6,18 +6,17 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from cg2raw.model.correlation import variance_left, variance_left_of_lines
 from cg2raw.model.evaluation import Parameters
-from cg2raw.model.lags import PARAMETERS
+from cg2raw.model.lags import PARAMETERS, variance_left, variance_left_of_lines
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.constant import Array
 
 Values = Mapping[str, float]
 
 
-def square_of(parameter: str) -> Callable[[Values, float], float]:
-    """Return what gives the variance, DN^2, of a deviation that is a share of white."""
-    return lambda values, white: (values[parameter] * white) ** 2
+def square(values: Values, white: float) -> float:
+    """Return the variance, DN^2, of a deviation that is a share of white."""
+    return (values["sigma"] * white) ** 2
 
 
 def log_normal_variance(values: Values, white: float) -> float:
@@ -27,21 +26,16 @@ def log_normal_variance(values: Values, white: float) -> float:
     return float(median**2 * np.exp(square) * np.expm1(square))
 
 
-# Effects of a profile that set one of the parameters; white is above black, DN.
-OF_EFFECTS: Mapping[str, tuple[str, Callable[[Values, float], float]]] = {
-    "dark_current": ("dark_current", lambda values, w: values["per_second"] * w),
-    "black_level_drift": ("black_level_drift", square_of("sigma")),
-    "row_noise": ("row_noise", square_of("sigma")),
-    "dsnu": ("dsnu", square_of("sigma")),
-    "column_fixed_pattern": ("column_fixed_pattern", square_of("sigma")),
-    "dark_current_nonuniformity": (
-        "dark_current_nonuniformity",
-        log_normal_variance,
-    ),
-    "prnu": ("prnu", lambda values, w: values["sigma"] ** 2),
+# Effects of a profile that set the parameter of their name; white is above black, DN.
+OF_EFFECTS: Mapping[str, Callable[[Values, float], float]] = {
+    "dark_current": lambda values, white: values["per_second"] * white,
+    "black_level_drift": square,
+    "row_noise": square,
+    "dsnu": square,
+    "column_fixed_pattern": square,
+    "dark_current_nonuniformity": log_normal_variance,
+    "prnu": lambda values, white: values["sigma"] ** 2,
 }
-
-
 # What noise reduction lowers of pixels, and of rows and columns.
 PIXELS = ("read_noise", "gain", "dsnu", "dark_current_nonuniformity", "prnu")
 LINES = ("row_noise", "column_fixed_pattern")
@@ -70,9 +64,9 @@ def profile_values(sensor: Sensor, iso: float | None, parameters: Parameters) ->
         found[parameters.of("gain", site)] = gain * white * np.exp(more)
         offset = effects.get("black_level", {}).get(f"offset_{site:02b}", 0.0)
         found[parameters.of("black_level", site)] = black[site] + offset * white
-    for name, (parameter, value) in OF_EFFECTS.items():
+    for name, value in OF_EFFECTS.items():
         if name in effects:
-            found[parameters.of(parameter)] = value(effects[name], white)
+            found[parameters.of(name)] = value(effects[name], white)
     _, *blended = profile_lags(sensor)
     for name in PIXELS:
         of_sites = name in ("read_noise", "gain")

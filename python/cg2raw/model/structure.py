@@ -44,9 +44,8 @@ def _in_plane(
     response = records[7]
     design = np.column_stack(list(signatures.values())) * response[:, None]
     largest = np.abs(design).max(axis=0)
-    if not (np.isfinite(largest) & (largest > 0)).all():  # codes hide all of it
-        return (*NOT_KNOWN, 0 * found.theta)
-    if np.linalg.matrix_rank(design / largest) < design.shape[1]:
+    is_seen = bool((np.isfinite(largest) & (largest > 0)).all())  # codes may hide all
+    if not is_seen or np.linalg.matrix_rank(design / largest) < design.shape[1]:
         return (*NOT_KNOWN, 0 * found.theta)
     noises = low_noise(plane)
     weighted = design / (noises[:, PIXEL] / plane.frames)[:, None]

@@ -10,7 +10,7 @@ from cg2raw.diagnose.effects.base import (
     Parameter,
     Values,
 )
-from cg2raw.model.correlation import variance_left
+from cg2raw.model.lags import variance_left
 
 LEAST_BLEND = np.array([0.0, -0.1])
 

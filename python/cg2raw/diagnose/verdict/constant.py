@@ -44,8 +44,7 @@ from cg2raw.model.components import FREE
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit, refitted
 from cg2raw.model.flat_levels import CHANGES
-from cg2raw.model.likelihood import Likelihood
-from cg2raw.model.misfit import misfits
+from cg2raw.model.likelihood import Likelihood, misfits
 from cg2raw.model.selection import NAMES
 from cg2raw.model.values import LOGARITHMS
 from cg2raw.statistics.constant import ConstantStatistics

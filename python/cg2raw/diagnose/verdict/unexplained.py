@@ -20,7 +20,7 @@ from cg2raw.diagnose.diagnosis import (
     ResidualTest,
 )
 from cg2raw.model.fit import Fit
-from cg2raw.model.misfit import Misfit, misfits
+from cg2raw.model.likelihood import Misfit, misfits
 from cg2raw.statistics.constant import GroupInfo
 
 # Parts of frames (statistics.constant.PARTS) in words.

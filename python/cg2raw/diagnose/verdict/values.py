@@ -21,7 +21,6 @@ from cg2raw.diagnose.effects.registry import listed_parameters
 from cg2raw.diagnose.verdict.measurements import measurements_of
 from cg2raw.diagnose.verdict.profile import OF_SENSOR
 from cg2raw.model import flicker
-from cg2raw.model.correlation import variance_left, variance_left_of_lines
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.flat_levels import CHANGES
 from cg2raw.model.full_well import NAME as WELL
@@ -30,6 +29,8 @@ from cg2raw.model.lags import (
     PARAMETERS,
     Blended,
     lags_of,
+    variance_left,
+    variance_left_of_lines,
 )
 from cg2raw.model.profile_values import LINES, PIXELS, profile_lags
 from cg2raw.model.values import LOGARITHMS, Value

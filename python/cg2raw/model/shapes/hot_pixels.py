@@ -43,7 +43,7 @@ def hot_pixels(shown: Shown) -> Shape | None:
 
 
 def dark_median(
-    shown: Shown, split: str, is_normal: bool = True
+    shown: Shown, split: str, is_normal: bool
 ) -> tuple[float, float] | None:
     """Return by how much the dark current of most pixels, their median, is above the
     mean of those that are not masked, and its standard error, DN/s; None without two
