@@ -109,9 +109,7 @@ class DarkLevels:
         likelihood = fit.likelihood.without_means()
         if fit.likelihood.is_coarse:  # then a level and noise depend on each other
             likelihood = fit.likelihood
-            free = np.isfinite(np.diagonal(fit.covariance))
-            for own in self.places.values():
-                free &= ~own
+            free = fit.known & ~np.any([*self.places.values()], axis=0)
             if "black_level" not in names:
                 read = fit.parameters.each("read_noise")
                 start[read] = self.profile[read]

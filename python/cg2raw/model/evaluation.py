@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """What the parts of the likelihood have in common: parameters, and sums of terms."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -47,6 +48,11 @@ class Parameters:
         coefficients, so that values below 0 would be far below."""
         few = [name == "black_level_drift" or ", " in name for name in self.names]
         return np.array(few)
+
+    def are(self, names: Collection[str]) -> NDArray[np.bool_]:
+        """Return (n,) which are of names; of those that each part has, the beginning is
+        their name."""
+        return np.isin([name.partition(",")[0] for name in self.names], [*names])
 
     def of(self, name: str, site: int = 0) -> int:
         """Return the place of a parameter. site : of a plane's own."""

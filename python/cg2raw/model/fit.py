@@ -56,10 +56,15 @@ class Fit:
         error = float(np.sqrt(self.covariance[at, at]))
         return (float(self.theta[at]) if np.isfinite(error) else np.nan), error
 
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """(n,) which parameters the frames show."""
+        return np.isfinite(np.diagonal(self.covariance))
+
     def variance_of(self, slopes: Array) -> float:
         """Return the variance of what has slopes by the parameters, (n,); those that
         the frames do not show have no part in it."""
-        used = np.isfinite(np.diagonal(self.covariance)) & (slopes != 0)
+        used = self.known & (slopes != 0)
         return float(slopes[used] @ self.covariance[np.ix_(used, used)] @ slopes[used])
 
 
@@ -423,7 +428,7 @@ def gain_of(
     """Return the nats of parameters @own, (n,), as trained over those of a profile.
 
     trained : (n,). prior : of how far something else moves them from the profile's."""
-    free = np.isfinite(np.diagonal(validation.covariance)) & ~own
+    free = validation.known & ~own
     values = []
     for pinned, known in ((trained, None), (profile, prior)):
         start = np.where(own, pinned, validation.theta)

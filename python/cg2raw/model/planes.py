@@ -65,7 +65,6 @@ class PlaneLikelihood:
         alone = ~self.repeats & (self.is_flat | ~self.repeats.any())
         self.measured = self.repeats | (alone & (alone.sum() > 1))
         self.side = statistics.side
-        self.multiplicity = [c.multiplicity(*plane.shape) for c in TEMPORAL]
         again = np.maximum(self.frames - 1, 1)[:, None]
         # Means of lines are of the samples that are left, and freedom is less by those.
         left = np.array(
@@ -90,11 +89,10 @@ class PlaneLikelihood:
         vectors = [self.vectors(c) for c in (*TEMPORAL, *FIXED)]
         sizes = [len(v) * np.prod(v, axis=0) * v[-1] ** (2 - len(v)) for v in vectors]
         # (K, G, 8), of one unit of a component in a coefficient of a frame.
-        self.sizes = np.array(sizes[: len(TEMPORAL)])[:, :, None]
-        self.sizes = self.sizes * np.array(self.multiplicity)[:, None] * left
-        self.fixed_sizes = np.array(sizes[len(TEMPORAL) :])[:, :, None]
-        fixed = [c.multiplicity(*plane.shape) for c in FIXED]
-        self.fixed_sizes = self.fixed_sizes * np.array(fixed)[:, None]
+        each = np.array([c.multiplicity(*plane.shape) for c in (*TEMPORAL, *FIXED)])
+        each = np.array(sizes)[:, :, None] * each[:, None]
+        self.sizes = each[: len(TEMPORAL)] * left
+        self.fixed_sizes = each[len(TEMPORAL) :]
         self.fixed_sizes[:, :, PIXEL] = 0.0
         # (2, G, K), of one unit in the places of samples: lines', and pixels'.
         lines = [bool(c.parts[list(FAST_LINES)].any()) for c in TEMPORAL]

@@ -7,13 +7,14 @@ with its parameters as trained and all others fitted anew, less the same with it
 parameters as the profile has them. Source: L. Wasserman, A. Ramdas, S. Balakrishnan,
 PNAS 117(29), 2020 (split likelihood-ratio test)."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.model.dark_levels import LEVELS, DarkLevels
+from cg2raw.model.evaluation import Parameters
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit, Prior, gain_of
 from cg2raw.model.halves import NAME as HALVES
@@ -93,30 +94,29 @@ def selection(
     that frames may have beyond a shape that a profile states, by name. together : the
     fit of all these frames, which levels of single darks of two times need."""
     shapes, halves = shapes or Shapes({}), halves or Halves()
-    names = training.parameters.names
+    parameters = training.parameters
     gains: dict[str, float] = {}
     blended = None
     if lags is not None:
         gains, trained, covariance = lag_gains(*lags, least)
         if gains["noise_reduction"] > least:
             blended = Blended.of(lags[0], trained, covariance)
-    known = np.isfinite(np.diagonal(training.covariance))
-    known &= np.isfinite(np.diagonal(validation.covariance))
-    places = _places_of(names, known)
+    known = training.known & validation.known
+    places = _places_of(parameters, known)
+    allowed = dict(allowed or {})
+    if min(shapes.spots, profile[parameters.of("prnu")]) > 0:
+        allowed["prnu"] = shapes.spots
     for name in ("dsnu", "dark_current_nonuniformity"):
-        if profile[training.parameters.of(name)] > 0 and name in places:
-            places[name] = places[name] & (np.array(names) != BOTH)
+        if profile[parameters.of(name)] > 0 and name in places:
+            places[name][parameters.of(BOTH)] = False
     for name, own in places.items():
         if name in LEVELS:
             continue
-        prior = None
+        at, prior = np.flatnonzero(own), None
         if blended is not None and name in ("read_noise", "shot_noise"):
-            prior = blended.prior(np.flatnonzero(own), profile)
-        at_prnu = np.flatnonzero(own)
-        if name == "prnu" and min(shapes.spots, profile[at_prnu].min()) > 0:
-            prior = Prior(at_prnu, profile[at_prnu], np.array([[shapes.spots**2]]))
-        if allowed and name in allowed:
-            at, size = np.flatnonzero(own), max(allowed[name], LEAST_SHAPE)
+            prior = blended.prior(at, profile)
+        elif name in allowed:
+            size = max(allowed[name], LEAST_SHAPE)
             prior = Prior(at, profile[at], size**2 * np.eye(len(at)))
         trained = training.theta
         if name in LOGARITHMS:
@@ -126,13 +126,13 @@ def selection(
     pair = training, validation
     if "black_level_drift" not in levels and together is not None:
         pair = together, together
-        each = _places_of(names, np.isfinite(np.diagonal(together.covariance)))
+        each = _places_of(parameters, together.known)
         levels = {name: each[name] for name in LEVELS if name in each}
     unsure: Mapping[str, float] = {}
     if "black_level_drift" not in levels:
         levels = {}  # nothing says how far levels may be off: it could be any of them
     else:
-        is_stated = "bias_structure" in (allowed or {})
+        is_stated = "bias_structure" in allowed
         of_darks = DarkLevels(
             levels,
             *pair,
@@ -160,7 +160,7 @@ def selection(
             gains["read_noise"] = min(of_most or np.inf, nothing, gains["read_noise"])
     unnamed = {HALVES: halves.nats} if halves.nats else {}
     for name in UNNAMED:
-        own = np.isin(names, name) & known
+        own = parameters.are([name]) & known
         if own.any():
             unnamed[name] = gain_of(own, training.theta, validation, profile)
     return Selection(gains, training, validation, unnamed, unsure, tuple(levels))
@@ -176,13 +176,9 @@ def _in_common(theta: Array, own: NDArray[np.bool_], profile: Array) -> Array:
 
 
 def _places_of(
-    names: Sequence[str], known: NDArray[np.bool_]
+    parameters: Parameters, known: NDArray[np.bool_]
 ) -> dict[str, NDArray[np.bool_]]:
     """Return (n,) which parameters are of each of NAMES that has any that is known.
-    names : of the parameters. known : (n,)."""
-    beginnings = [name.partition(",")[0] for name in names]
-    each = {
-        name: np.isin(beginnings, parameters) & known
-        for name, parameters in NAMES.items()
-    }
+    known : (n,)."""
+    each = {name: parameters.are(own) & known for name, own in NAMES.items()}
     return {name: own for name, own in each.items() if own.any()}

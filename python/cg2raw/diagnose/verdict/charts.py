@@ -80,8 +80,7 @@ def charts_of(
 
 def _without(name: str, found: DarksAndFlats, fit: Fit) -> Array:
     """Return the parameters with those of an effect as the profile has them."""
-    beginnings = [one.partition(",")[0] for one in fit.parameters.names]
-    own = np.isin(beginnings, NAMES[name])
+    own = fit.parameters.are(NAMES[name])
     theta: Array = np.where(own, found.profile, fit.theta)
     return theta
 

@@ -182,16 +182,14 @@ def _by_split(statistics: ConstantStatistics) -> Mapping[str, list[str]]:
 def _fit_of(found: DarksAndFlats, chosen: Sequence[str]) -> Fit:
     """Return the fit of what is named; all else is as the profile has it, but for what
     is FREE, which is as all together show it."""
-    names = found.both.parameters.names
-    beginnings = [name.partition(",")[0] for name in names]
     stated = {entry["name"] for entry in found.captures.sensor.effects or ()}
     stated.discard("noise_reduction")  # what it leaves is in the profile's parameters
     moving = [other for one in (*chosen, *stated) for other in MOVES.get(one, ())]
     chosen = [*chosen, *moving]
     parameters = [p for name in chosen for p in NAMES.get(name, ())]
-    known = np.isfinite(np.diagonal(found.both.covariance))
-    free = np.isin(beginnings, parameters) & known
-    kept = free | np.isin(beginnings, FREE) & known
+    known = found.both.known
+    free = found.both.parameters.are(parameters) & known
+    kept = free | found.both.parameters.are(FREE) & known
     start = np.where(kept, found.both.theta, found.profile)
     return refitted(found.both.likelihood, start, free)
 

@@ -50,8 +50,15 @@ class Tails:
         that by which all have the power. share, ratio : of draws that are wider, and
         their variance over that of the others. lasting : of both frames of a pair, as
         of a part of the sensor."""
-        if not self.is_coarse:
-            narrow = scale / (1 + share * (ratio - 1))
+        total = 1 + share * (ratio - 1)
+        if self.is_coarse:
+            narrow = scale * (self.power - ROUNDING) / total
+            law = differences(PLACES, narrow, share, ratio).mean(axis=0)
+            bins = len(self.counts)
+            law = np.pad(law, (0, max(bins - len(law), 0)))
+            found = np.append(law[: bins - 1], law[bins - 1 :].sum())
+        else:
+            narrow = scale / total
             weights = (1 - share) ** 2, 2 * share * (1 - share), share**2
             if lasting:
                 weights = 1 - share, 0.0, share
@@ -60,15 +67,8 @@ class Tails:
                 w * erf(EDGES / np.sqrt(2 * narrow * v))
                 for w, v in zip(weights, widths, strict=True)
             )
-            inside: Array = np.diff(below, append=1.0)
-            return np.maximum(inside, LEAST_SHARE)
-        narrow = scale * (self.power - ROUNDING) / (1 + share * (ratio - 1))
-        found: Array = differences(PLACES, narrow, share, ratio).mean(axis=0)
-        bins = len(self.counts)
-        found = np.append(found, np.zeros(max(bins - len(found), 0)))
-        found = np.append(found[: bins - 1], found[bins - 1 :].sum())
-        beyond: Array = np.maximum(found, LEAST_SHARE)
-        return beyond
+            found = np.diff(below, append=1.0)
+        return np.asarray(np.maximum(found, LEAST_SHARE))
 
     def nats(self, numbers: Array, lasting: bool = False) -> float:
         """Return the log likelihood. numbers : logarithm of scale, logit of share,
@@ -81,21 +81,14 @@ class Tails:
 
     def covariance(self, best: Array) -> Array:
         """Return that of the likeliest numbers, by the curvature of the likelihood."""
+
+        def bent(one: Array, other: Array) -> float:
+            ends = [(a, b) for a in (-1, 1) for b in (-1, 1)]
+            return sum(a * b * self.nats(best + a * one + b * other) for a, b in ends)
+
         steps = STEP * np.eye(len(best))
-        curvature = np.array(
-            [
-                [
-                    sum(
-                        a * b * self.nats(best + a * one + b * other)
-                        for a in (-1, 1)
-                        for b in (-1, 1)
-                    )
-                    for other in steps
-                ]
-                for one in steps
-            ]
-        ) / (4 * STEP**2)
-        return np.asarray(np.linalg.pinv(-curvature), np.float64)
+        curvature = np.array([[bent(one, other) for other in steps] for one in steps])
+        return np.asarray(np.linalg.pinv(-curvature / (4 * STEP**2)), np.float64)
 
     def of_most(self, best: Array) -> tuple[float, float]:
         """Return the variance of most draws and its standard error, DN^2."""
