@@ -88,7 +88,8 @@ def test_charge_of_darks_is_taken_off_flats():
     seen = SimpleNamespace(
         sites=sites_of(sensor),
         mean_over=lambda _: 256 + offset + rate * 3.0 + 4000.0,
-        known=lambda mean: np.ones(mean.shape, bool),
+        white=10**6,
+        statistics=SimpleNamespace(excluded=None),
         time=(0.5, 3.5).__getitem__,
         shortest=[0],
     )

@@ -16,7 +16,7 @@ from cg2raw.blas_threads import one_blas_thread
 from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.darks import read_darks
 from cg2raw.calibration.defects import Mask, defects_of
-from cg2raw.calibration.fitting import fitted, of_sites
+from cg2raw.calibration.fitting import fitted
 from cg2raw.calibration.flats import FULL_WELL, above_darks, check_curve, read_flats
 from cg2raw.calibration.frames import (
     MOST_SATURATED,
@@ -99,11 +99,6 @@ def calibrate(
     tell("fitting", 0.0)
     fit = fitted(seen, flats.linear(seen, float(levels.mean())), levels, iso)
     check_curve(flats.points, seen, fit.lost == "cut")
-    known = [one.value for one in of_sites(fit.figures, "black level")]
-    black = np.array(known or sensor.black_level, float)
-    tell("darks", 0.0)
-    darks = read_darks(seen, fit, black)
-    light = above_darks(seen, flats, darks, levels, black)
     found = Calibration(
         sensor=sensor,
         sites=sites,
@@ -114,15 +109,15 @@ def calibrate(
             sum(len(group.frames) for group in flat_groups),
         ),
         fit=fit,
-        repeats=tuple(
-            int(seen.statistics.frames[n]) for n in seen.statistics.shortest_darks("")
-        ),
+        repeats=seen.replicates,
         transients=transients_of(seen),
         excluded=excluded,
         defects=defects,
-        **vars(darks),
-        **vars(light),
     )
+    tell("darks", 0.0)
+    darks = read_darks(seen, fit, found.black)
+    light = above_darks(seen, flats, darks, levels, found.black)
+    found = replace(found, **vars(darks), **vars(light))
     check_one_chain(found)
     return replace(found, notes=notes_on(found, scanned))
 

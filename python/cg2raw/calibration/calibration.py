@@ -25,6 +25,7 @@ from cg2raw.calibration.flats import FULL_WELL, FlatResults
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.sites import Sites
 from cg2raw.io.json_text import formatted
+from cg2raw.model.values import FIGURES
 from cg2raw.sensor import Sensor
 
 SOURCE = "cg2raw calibrate (EMVA 1288 R4.0)"
@@ -109,7 +110,13 @@ def updated_profile(found: Calibration, sensor: Sensor) -> tuple[str, list[str]]
     """Return (JSON of a sensor's profile with what was measured, notes)."""
     profile = json.loads(sensor.to_json())
     known = {effect["name"]: effect for effect in _core.effects()}
-    effects, notes = effects_found(found, has_shapes(profile)), list(notes_on(found))
+    effects, notes = effects_found(found, has_shapes(profile)), []
+    if (tails := found.tails) and tails.excess_kurtosis and tails.are_heavy:
+        notes.append(
+            f"read noise: its tails are not normal (excess kurtosis "
+            f"{tails.excess_kurtosis.value:.2f}, Tukey lambda {tails.tukey_lambda:.2f})"
+            "; rows of noise with tukey_lambda and row_sigma say that"
+        )
     frames = f"{found.frames[0]} darks and {found.frames[1]} flats"
     source = f"{SOURCE}: {frames}"
     has_level = bool(found.each("black level"))
@@ -140,16 +147,6 @@ def updated_profile(found: Calibration, sensor: Sensor) -> tuple[str, list[str]]
 def has_shapes(profile: dict[str, Any]) -> bool:
     """Return whether the rows of noise say how they are distributed."""
     return any("tukey_lambda" in row for row in profile.get("noise", []))
-
-
-def notes_on(found: Calibration) -> Iterator[str]:
-    """Yield a note on heavy tails, which a row of noise may say."""
-    if (tails := found.tails) and tails.excess_kurtosis and tails.are_heavy:
-        yield (
-            f"read noise: its tails are not normal (excess kurtosis "
-            f"{tails.excess_kurtosis.value:.2f}, Tukey lambda {tails.tukey_lambda:.2f})"
-            "; rows of noise with tukey_lambda and row_sigma say that"
-        )
 
 
 def effects_found(found: Calibration, has_shapes: bool) -> dict[str, Found | None]:
@@ -184,25 +181,25 @@ def of_bias(c: Calibration) -> Iterator[Answer]:
             low, most = gammaincinv(half, [0.025, 1 - CHANCE]) / half
             total = (drift.high**2 - drift.value**2) / (1 / low - 1)
             is_chance = total <= most * (total - drift.value**2)
-            yield from deviation(c, "black_level_drift", drift.name, is_chance)
-    yield from deviation(c, "column_fixed_pattern", "fixed column pattern")
-    yield from deviation(c, "dsnu", "DSNU")
-    yield from deviation(c, "row_noise", "row noise")
+            yield from deviation(c, drift.name, is_chance)
+    for name in ("fixed column pattern", "DSNU", "row noise"):
+        yield from deviation(c, name)
     if (r := c.figure("correlation, next in row")) is not None:
         is_seen = r.stands_out and abs(r.value) > CORRELATION_FLOOR
         yield "read_noise_correlation", {"coefficient": r} if is_seen else None
 
 
 def deviation(
-    c: Calibration, effect: str, name: str, is_chance: bool | None = None
+    c: Calibration, name: str, is_chance: bool | None = None
 ) -> Iterator[Answer]:
-    """Yield a deviation of the fit, by name, as an effect's sigma. is_chance : None to
+    """Yield a deviation of the fit, by name, as its effect's sigma. is_chance : None to
     ask its error."""
     if (found := c.figure(name)) is not None:
         if is_chance is None:
             is_chance = not found.variance_stands_out
         sigma = found if found.unit == "1" else found.scaled(1 / c.range, "1")
-        yield effect, None if is_chance or not found.value else {"sigma": sigma}
+        is_seen = found.value and not is_chance
+        yield FIGURES[name][0], {"sigma": sigma} if is_seen else None
 
 
 def of_darks(c: Calibration) -> Iterator[Answer]:
@@ -231,7 +228,7 @@ def of_darks(c: Calibration) -> Iterator[Answer]:
 
 def of_light(c: Calibration) -> Iterator[Answer]:
     """Yield what flats show, and the step of all codes."""
-    yield from deviation(c, "prnu", "PRNU")
+    yield from deviation(c, "PRNU")
     if (light := c.light) is not None:
         is_shaded = light.fall_off.stands_out and light.fall_off.value > SHADING_FLOOR
         yield "lens_shading", light.shading if is_shaded else None

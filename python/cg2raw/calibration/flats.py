@@ -274,7 +274,9 @@ def light_of(
     which each site's median is 1, and what is not known. numbers : of the groups.
     black : (sites,) DN."""
     mean = seen.mean_over(numbers)
-    known = seen.known(mean)
+    known = mean < seen.white
+    if seen.statistics.excluded is not None:
+        known &= ~seen.statistics.excluded
     mean -= seen.sites.spread(black, mean.shape)
     if darks.offset is not None:
         mean -= darks.offset

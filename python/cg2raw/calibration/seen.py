@@ -47,6 +47,12 @@ class Seen:
         """Numbers of the darks of the shortest exposure."""
         return [n for n in self.darks if self.time(n) == self.time(self.darks[0])]
 
+    @property
+    def replicates(self) -> tuple[int, ...]:
+        """How many of the shortest darks repeat each other, group by group."""
+        frames = self.statistics.frames
+        return tuple(int(frames[n]) for n in self.statistics.shortest_darks(""))
+
     def time(self, number: int) -> float:
         """Return the exposure time of a group, s; 0 where it is not known."""
         return self.statistics.groups[number].exposure_time or 0.0
@@ -89,12 +95,6 @@ class Seen:
         for number in rest:
             found += np.float32(weights[number]) * self.statistics.mean_of(number)
         return found
-
-    def known(self, mean: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """Return (H, W), where pixels of a mean image count and are below white."""
-        known: NDArray[np.bool_] = mean < self.white
-        excluded = self.statistics.excluded
-        return known if excluded is None else known & ~excluded
 
     def is_coarse(self, number: int) -> bool:
         """Whether rounding hides the noise of a dark. Source: EMVA 1288, R4.0."""

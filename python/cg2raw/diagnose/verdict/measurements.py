@@ -37,9 +37,7 @@ def measurements_of(found: DarksAndFlats, wanted: Collection[str]) -> Calibratio
         iso=capture.iso,
         frames=(0, 0),
         fit=fit,
-        repeats=tuple(
-            int(seen.statistics.frames[n]) for n in seen.statistics.shortest_darks()
-        ),
+        repeats=seen.replicates,
     )
     black = measured.black
     darks = read_darks(seen, fit, black)
