@@ -194,7 +194,7 @@ def of_flats(
         error = math.sqrt(seen.sites.rounding)
         black = Figure.normal(BLACK, "DN", 0.0, error)
         found += [replace(changed(black, x), site=n) for n, x in enumerate(levels)]
-        unsure = (COARSE - ROUNDING) / math.sqrt(12) * seen.sites.step**2
+        unsure = (seen.sites.coarse - seen.sites.rounding) / math.sqrt(12)
     elif not knows_noise(seen, iso):
         unsure = math.inf
     if np.ptp(light) > SAME_LIGHT * light.max():

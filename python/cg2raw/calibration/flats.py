@@ -26,7 +26,6 @@ from cg2raw.calibration.measured import (
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import FIELD_BLOCKS, Sites, blocks_of, centres
 from cg2raw.model.full_well import CEILING, CERTAIN, MOST_CLIPPED
-from cg2raw.statistics.codes import COARSE
 
 MANY = 0.2  # of the pixels at one DN, which noise spreads over several
 RISING = 1.2  # levels of flats whose wells are full are closer than by this
@@ -196,7 +195,7 @@ def transfer_points(
         seen.groups[number].exposure_time,
         int(seen.statistics.frames[number]),
         max(seen.clipped(number), float(np.average(full, weights=error**-2))),
-        float(np.median(variance)) < COARSE * seen.sites.step**2,
+        float(np.median(variance)) < seen.sites.coarse,
     )
 
 
@@ -212,7 +211,7 @@ def check_curve(points: Sequence[TransferPoints], seen: Seen, is_cut: bool) -> N
     for site, dark in enumerate(seen.statistics.variance(repeated[0])):
         least, most = dark, dark
         if seen.is_coarse(repeated[0]):
-            least, most = seen.sites.rounding, COARSE * seen.sites.step**2
+            least, most = seen.sites.rounding, seen.sites.coarse
         steepest, behind = 0.0, []
         for p in points:
             if p.is_coarse:

@@ -169,7 +169,7 @@ def moments_of(counts: Array, step: int) -> tuple[float, float, int, float]:
         mean = float(np.average(code, weights=kept))
         variance = float(np.average((code - mean) ** 2, weights=kept)) / LEFT
         sigma = max(math.sqrt(variance), least)
-    return mean, sigma, int(kept.sum()), codes.cut_share(counts[code[0] % step :: step])
+    return mean, sigma, int(kept.sum()), codes.cut_share(counts, step)
 
 
 def in_steps(scanned: Sequence[Scanned], white: int) -> tuple[int, list[Scanned]]:

@@ -12,7 +12,7 @@ from cg2raw.calibration.fitting import MOST_LOST
 from cg2raw.calibration.flats import HIGHEST, LINEAR, LOWEST
 from cg2raw.calibration.frames import Scanned
 from cg2raw.model.full_well import MOST_CLIPPED
-from cg2raw.statistics.codes import COARSE, hidden
+from cg2raw.statistics.codes import hidden
 
 HIGH_MISFIT = 1.5  # of levels about their line, over what drift makes
 
@@ -104,7 +104,7 @@ def of_flats(found: Calibration) -> Iterator[str]:
         return
     transfer, line = found.transfer, found.linearity
     if faint := sum(point.frames for point in transfer.points if point.is_coarse):
-        limit = math.sqrt(COARSE) * found.sites.step
+        limit = math.sqrt(found.sites.coarse)
         yield (
             f"{faint} flats vary by less than {limit:.2g} DN, by rounding more "
             "than by light: they are in no number: expose more, or at a higher ISO"

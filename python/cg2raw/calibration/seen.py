@@ -14,7 +14,7 @@ from cg2raw.calibration.frames import Group
 from cg2raw.calibration.measured import Array
 from cg2raw.calibration.sites import Sites
 from cg2raw.sensor import Sensor
-from cg2raw.statistics.codes import COARSE, cut_share
+from cg2raw.statistics.codes import cut_share
 from cg2raw.statistics.constant import ConstantStatistics, GroupInfo
 from cg2raw.statistics.frame_statistics import frame_statistics
 from cg2raw.statistics.temperature import set_points
@@ -71,11 +71,8 @@ class Seen:
     def cut(self, number: int) -> float:
         """Return the share of a dark's pixels at the lowest code if their noise is cut
         there, else 0; the most of all sites."""
-        step, each = self.sites.step, [p.codes[number] for p in self.statistics.planes]
-        return max(
-            cut_share(counts[int(np.flatnonzero(counts)[0]) % step :: step])
-            for counts in each
-        )
+        each = [plane.codes[number] for plane in self.statistics.planes]
+        return max(cut_share(counts, self.sites.step) for counts in each)
 
     def clipped(self, number: int) -> float:
         """Return the share of a flat's pixels at white or at 0 DN."""
@@ -98,8 +95,7 @@ class Seen:
 
     def is_coarse(self, number: int) -> bool:
         """Whether rounding hides the noise of a dark. Source: EMVA 1288, R4.0."""
-        least = float(self.statistics.variance(number).min())
-        return least < COARSE * self.sites.step**2
+        return bool(self.statistics.variance(number).min() < self.sites.coarse)
 
 
 def seen_all(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cg2raw.cfa import is_mono
 from cg2raw.sensor import Sensor
-from cg2raw.statistics.codes import ROUNDING
+from cg2raw.statistics.codes import COARSE, ROUNDING
 from cg2raw.statistics.constant import BLOCKS
 
 Number = TypeVar("Number", bound=np.generic)
@@ -39,6 +39,11 @@ class Sites:
     def rounding(self) -> float:
         """Variance of rounding to the codes, DN^2."""
         return ROUNDING * self.step**2
+
+    @property
+    def coarse(self) -> float:
+        """Variance below which rounding hides it, DN^2."""
+        return COARSE * self.step**2
 
     @property
     def side(self) -> int:

@@ -83,13 +83,14 @@ def companded(
     )
 
 
-def cut_share(counts: Counts) -> float:
+def cut_share(counts: Counts, step: int = 1) -> float:
     """Return the share of pixels at the lowest code if noise is cut there, else 0.
 
-    counts : of neighbouring codes. A normal distribution falls ever faster, so that no
-    code has more pixels than its neighbours let expect, as the lowest has that holds
-    what would be below it. Above 0 frames without noise may look so, by hot pixels:
-    there the next two codes must have many."""
+    step : DN from one code to the next. A normal distribution falls ever faster, so
+    that no code has more pixels than its neighbours let expect, as the lowest has that
+    holds what would be below it. Above 0 frames without noise may look so, by hot
+    pixels: there the next two codes must have many."""
+    counts = counts[int(np.flatnonzero(counts)[0]) % step :: step]
     low, total = int(np.flatnonzero(counts)[0]), int(counts.sum())
     first, second, third = map(int, np.pad(counts, (0, 2))[low : low + 3])
     least = DENSE if low == 0 else max(DENSE, total // 100)
