@@ -339,16 +339,13 @@ def _start_levels(
         np.mean([p.plane.levels[g] for p in likelihood.planes], axis=0)
         for g in np.flatnonzero(darks & first.repeats)
     ]
+    drift = parameters.of("black_level_drift")
     if levels:
         squares = sum(((x - x.mean()) ** 2).sum() for x in levels)
-        theta[parameters.of("black_level_drift")] = squares / sum(
-            len(x) - 1 for x in levels
-        )
+        theta[drift] = squares / sum(len(x) - 1 for x in levels)
     elif len(time) > len(values):
         away = (places[:, darks].T - design @ values).mean(axis=1) * weights
-        theta[parameters.of("black_level_drift")] = (
-            away @ away / (len(time) - len(values))
-        )
+        theta[drift] = away @ away / (len(time) - len(values))
 
 
 def _start_noise(

@@ -148,19 +148,18 @@ class MeanImageLikelihood:
         )
 
     def _neighbours(self, part: int, sites: Sequence[int]) -> Array:
-        """Return (N, N) DN^2, as measured; a sample has neighbours on both sides."""
+        """Return (N, N) DN^2, as measured; a sample has neighbours on both sides. 0 of
+        the pixel part, which is of a plane alone."""
         first, count = self.planes[0], len(self.planes[0].frames)
-        found = np.zeros((len(sites), count, len(sites), count))
-        groups, places = np.arange(count), np.divmod(sites, first.side)
+        found, side = np.zeros((len(sites), count, len(sites), count)), first.side
+        groups, noise = np.arange(count), [p.scatter[:, PIXEL] for p in self.planes]
         for down, across, even in ((0, 1, EVEN_ACROSS), (1, 0, EVEN_DOWN)):
             near = neighbours(self.statistics, down, across)
-            if near is None or first.side == 1 or not even[part]:
+            if near is None or side == 1 or not even[part]:
                 continue
-            for a, one in enumerate(zip(*places, strict=True)):
-                other = (one[0] + down) % first.side, (one[1] + across) % first.side
-                b = [*zip(*places, strict=True)].index(other)
-                noise = [self.planes[sites[n]].scatter[:, PIXEL] for n in (a, b)]
-                covariance = near * np.sqrt(noise[0] * noise[1]) / first.frames
+            for a, (row, column) in enumerate(np.ndindex(side, side)):
+                b = (row + down) % side * side + (column + across) % side
+                covariance = near * np.sqrt(noise[a] * noise[b]) / first.frames
                 found[a, groups, b, groups] += covariance
                 found[b, groups, a, groups] += covariance
         return found.reshape(len(sites) * count, -1)
