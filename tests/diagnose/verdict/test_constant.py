@@ -12,10 +12,12 @@ import pytest
 from cg2raw import Sensor
 from cg2raw.diagnose import darks_and_flats
 from cg2raw.diagnose.darks_and_flats import is_constant
+from cg2raw.diagnose.effects.registry import stated_by
 from cg2raw.diagnose.pipeline import diagnose
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
 from cg2raw.synthetic.strengths import KINDS
+from diagnose.closed_loop import simulated
 
 SENSOR = drawn_sensor(5)
 WHITE = SENSOR.signal_range
@@ -225,3 +227,23 @@ def test_charts_of_levels_shapes_and_neighbours_show_what_was_hidden():
                 for of in (one.before, one.after)
             )
             assert left < (1.0 if name == "hot_pixels" else 0.2) * off, name
+
+
+def stating(*effects):
+    """Return the sensor with a profile that states effects."""
+    entries = [one | {"parameters": stated_by(one, None)} for one in effects]
+    profile = json.loads(SENSOR.to_json()) | {"effects": entries}
+    return Sensor.from_json(json.dumps(profile))
+
+
+def test_a_chart_of_levels_has_a_shading_that_the_profile_states():
+    """Corners 30 % darker take a tenth of the mean of a flat: no part of what exposure
+    moves it by."""
+    corners = {"name": "lens_shading", "parameters": {"r2": -0.3}}
+    brighter = {"name": "exposure", "parameters": {"gain": 0.05}}
+    frames = simulated(captures_of(), stating(brighter, corners))
+    found = diagnose(replace(frames, sensor=stating(corners)))
+    (chart,) = (one for one in found.charts if one.effect == "exposure")
+    for one in chart.series:
+        off, left = (np.abs(one.measured - of).max() for of in (one.before, one.after))
+        assert off > 4 and left < 1

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cg2raw.calibration.sites import sites_of
 from cg2raw.diagnose.captures.splits import GROUPS
-from cg2raw.diagnose.darks_and_flats import TEST, DarksAndFlats, levels_of, of_splits
+from cg2raw.diagnose.darks_and_flats import TEST, DarksAndFlats, of_splits
 from cg2raw.diagnose.diagnosis import Chart, Finding, Series
 from cg2raw.diagnose.verdict.unexplained import PLACES, described
 from cg2raw.model.components import FIXED
@@ -326,8 +326,8 @@ def _flats(
 ) -> Chart | None:
     """Return levels of flats over those that the profile predicts, of each site."""
     both, last = (of_splits(found.statistics, s) for s in (GROUPS[:2], (TEST,)))
-    trained = levels_of(found.captures, found.used, both, model, chosen)
-    levels = levels_of(found.captures, found.used, last, test, chosen)
+    trained = found.levels_of(both, model, chosen)
+    levels = found.levels_of(last, test, chosen)
     if trained is None or levels is None:
         return None
     names = [one for one in CHANGES if one in chosen]
