@@ -118,7 +118,9 @@ void predict_blocks(const SensorProfile& profile,
                     const std::vector<PredictedBlock>& blocks, int margin,
                     const ParallelFor& parallel)
 {
-    const Stages stages(profile, active_effects(profile, settings));
+    Run run;
+    run.convention = Convention::sensor;
+    const Stages stages(profile, run, active_effects(profile, settings));
     check_needs(stages.active, given);
     Exposure exposure = given;
     std::optional<GlareContext> glare_context;

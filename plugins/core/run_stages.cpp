@@ -102,12 +102,6 @@ Stages::Stages(const SensorProfile& profile, const Run& run,
 {
 }
 
-Stages::Stages(const SensorProfile& profile, std::vector<ActiveEffect> effects)
-    : Stages(profile, {}, std::move(effects))
-{
-    noise_ceiling = largest_signal;
-}
-
 const Effect* Stages::beyond_pixels() const
 {
     for (const ActiveEffect& one : active)

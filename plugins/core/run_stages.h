@@ -41,8 +41,6 @@ struct Stages {
 
     Stages(const SensorProfile& profile, const Run& run,
            std::vector<ActiveEffect> effects);
-    /// Of a prediction: noise falls on all sites.
-    Stages(const SensorProfile& profile, std::vector<ActiveEffect> effects);
 
     /// An effect that reaches beyond its pixel or needs the glare_context; null if none
     /// does.
