@@ -183,8 +183,9 @@ def read_darks(seen: Seen, fit: Fitted, black: NDArray[np.float64]) -> DarkResul
         for rates in seen.statistics.rates:
             if not rates.split:
                 spread = dark_spread(rates, 1 / gain.value if gain else 0.0)
-        rate = rate_map(seen)
-        if rate is not None:
+        # But for a constant; none where the law of rates is not known either.
+        if (slope := slope_of(seen.statistics, "")) is not None:
+            rate = seen.sum_of(slope.weights)
             excluded = seen.statistics.excluded
             unknown = False if excluded is None else excluded
             shine = glow(np.where(unknown, np.nan, rate))
@@ -206,13 +207,6 @@ def offset_map(seen: Seen, black: NDArray[np.float64]) -> Map:
     found = seen.mean_over([n for n in seen.shortest if groups[n].temperature == own])
     found -= seen.sites.spread(black, found.shape)
     return found
-
-
-def rate_map(seen: Seen) -> Map | None:
-    """Return (H, W) DN/s, the slope of pixels over exposure time but for a constant;
-    None where the law of rates is not known either."""
-    slope = slope_of(seen.statistics, "")
-    return None if slope is None else seen.sum_of(slope.weights)
 
 
 def dark_current(
