@@ -245,5 +245,6 @@ def test_a_chart_of_levels_has_a_shading_that_the_profile_states():
     found = diagnose(replace(frames, sensor=stating(corners)))
     (chart,) = (one for one in found.charts if one.effect == "exposure")
     for one in chart.series:
-        off, left = (np.abs(one.measured - of).max() for of in (one.before, one.after))
-        assert off > 4 and left < 1
+        assert one.before == pytest.approx(0, abs=1e-6)
+        assert one.measured == pytest.approx(5, abs=1)
+        assert one.after == pytest.approx(5, abs=1)
