@@ -5,7 +5,8 @@
 import numpy as np
 
 import cg2raw
-from cg2raw.diagnose.captures.reader import read_captures
+from cg2raw.diagnose.captures.check import check
+from cg2raw.diagnose.captures.reader import read_captures, read_frames
 from dng import dng_files
 
 SHAPE = (48, 64)
@@ -47,6 +48,12 @@ def read_series(folder, fields, *top):
         frame(folder, f"{index}.npy", frame=index)
         lines.append(f"{{file: {index}.npy, {words}}}")
     return read_captures(manifest(folder, lines, *top))
+
+
+def checked(folder, lines):
+    """Return what a check of frames says."""
+    _, sensor, frames, _ = read_frames(manifest(folder, lines))
+    return check(frames, sensor)
 
 
 def standard_set(folder, most=None):

@@ -8,7 +8,6 @@ import pytest
 import cg2raw
 from cg2raw.diagnose.captures.chart import COLORCHECKER_NAMES
 from cg2raw.diagnose.captures.chart_table import plain
-from cg2raw.diagnose.captures.check import check
 from cg2raw.diagnose.captures.patch_means import Table, with_bounds
 from cg2raw.diagnose.captures.reader import read_captures, read_frames
 from cg2raw.diagnose.captures.splits import GROUPS
@@ -225,8 +224,7 @@ def test_a_check_of_a_table(tmp_path):
     table(tmp_path, f"{HEAD}\n{GREYS}neutral 8,1023,500,500,400\n")
     files.frame(tmp_path, "dark.npy")
     lines = [LINE + "}", "{file: dark.npy, kind: dark}"]
-    _, sensor, frames, notes = read_frames(files.manifest(tmp_path, lines))
-    found = check(frames, sensor)
+    found = files.checked(tmp_path, lines)
     [words] = found.integrities[0].complaints
     assert "a mean of 1023 DN is at white (1023 DN): clipped patches belong" in words
     assert (found.integrities[0].low, found.integrities[0].high) == (80, 1023)

@@ -12,12 +12,6 @@ from cg2raw.diagnose.captures.reader import read_frames
 from diagnose import capture_files as files
 
 
-def checked(folder, lines):
-    """Return the Integrity of each frame of a manifest."""
-    _, sensor, frames, _ = read_frames(files.manifest(folder, lines))
-    return check(frames, sensor).integrities
-
-
 def smooth(shape, down=0.0, right=0.0, seed=1):
     """Return a band-limited periodic picture, shifted by any part of a pixel."""
     rng = np.random.default_rng(seed)
@@ -59,7 +53,9 @@ def test_a_render_that_is_shifted(tmp_path):
         cg2raw.Sensor(files.SENSOR).simulate(big, illuminant="D65", iso=100),
     )
     np.save(tmp_path / "r.npy", np.roll(big, (6, -10), axis=(0, 1)))
-    [found] = checked(tmp_path, ["{file: a.dng, kind: scene, scene: r.npy}"])
+    [found] = files.checked(
+        tmp_path, ["{file: a.dng, kind: scene, scene: r.npy}"]
+    ).integrities
     assert (found.shift.down, found.shift.right) == pytest.approx((6, -10), abs=0.5)
     assert "a diagnosis takes up 4 px" in found.complaints[0]
 
@@ -76,7 +72,7 @@ def test_a_render_that_is_shifted(tmp_path):
 )
 def test_levels_that_are_wrong(tmp_path, kind, value, words):
     np.save(tmp_path / "a.npy", np.full(files.SHAPE, value, np.uint16))
-    [found] = checked(tmp_path, [f"{{file: a.npy, kind: {kind}}}"])
+    [found] = files.checked(tmp_path, [f"{{file: a.npy, kind: {kind}}}"]).integrities
     assert words in " ".join(found.complaints)
 
 
@@ -87,7 +83,7 @@ def test_shares_of_clipped_and_empty_pixels(tmp_path):
     raw[12:24] = 0
     np.save(tmp_path / "a.npy", raw)
     line = "{file: a.npy, kind: flat, scene: unknown, illuminant: A}"
-    [found] = checked(tmp_path, [line])
+    [found] = files.checked(tmp_path, [line]).integrities
     assert found.clipped == pytest.approx(0.25, abs=0.01)
     assert found.below == pytest.approx(0.25)
 
@@ -95,7 +91,7 @@ def test_shares_of_clipped_and_empty_pixels(tmp_path):
 def dark(folder, values):
     """Return the Integrity of a dark of values, DN."""
     np.save(folder / "a.npy", np.rint(values).clip(0).astype(np.uint16))
-    return checked(folder, ["{file: a.npy, kind: dark}"])[0]
+    return files.checked(folder, ["{file: a.npy, kind: dark}"]).integrities[0]
 
 
 @pytest.mark.parametrize(
@@ -138,7 +134,7 @@ def test_blacks_that_are_cut_off(tmp_path, black, words):
 def test_an_eight_bit_copy(tmp_path):
     raw = files.frame(tmp_path, "a.npy", files.picture())
     line = "{file: a.npy, kind: flat, scene: unknown, illuminant: A}"
-    assert checked(tmp_path, [line])[0].complaints == ()
+    assert files.checked(tmp_path, [line]).integrities[0].complaints == ()
     np.save(tmp_path / "a.npy", np.minimum(raw, 255))
-    [words] = checked(tmp_path, [line])[0].complaints
+    [words] = files.checked(tmp_path, [line]).integrities[0].complaints
     assert words.startswith("nothing is above 255 DN, where pixels pile up, and white")
