@@ -12,6 +12,7 @@ from calibration.planted import frame_of
 from cg2raw import Sensor
 from cg2raw.calibration import calibrate
 from cg2raw.diagnose.captures import quality
+from oracles import cameras
 from tiers import slow
 
 SHAPE = (96, 128)
@@ -19,12 +20,9 @@ SHAPE = (96, 128)
 
 def sensor_of(bits, black, white):
     """Return a sensor without filters."""
-    fields = {
-        "schema": 1, "id": "coded", "make": "A", "model": "B", "sources": {},
-        "unique_camera_model": "A B", "cfa": "mono", "width": SHAPE[1],
-        "height": SHAPE[0], "bits": bits, "black_level": black, "white_level": white,
-    }  # fmt: skip
-    return Sensor.from_json(json.dumps(fields))
+    levels = {"bits": bits, "black_level": black, "white_level": white, "noise": None}
+    text = cameras.mono_text(**levels, width=SHAPE[1], height=SHAPE[0])
+    return Sensor.from_json(text)
 
 
 def frames_of(coded, gain, read, levels, seed=1, darks=5, flats=4):

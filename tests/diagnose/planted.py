@@ -52,13 +52,20 @@ def sensor_of(full_well=FULL_WELL, read_noise=READ_NOISE, effects=None, **fields
 
     effects : name -> parameters, that its profile states. fields : of its profile, in
     place of what it has."""
-    profile = json.loads(Sensor("canon-70d").to_json())
     levels = {"bits": 14, "black_level": [256.0] * 4, "white_level": 16383}
-    profile |= {"id": "planted", **levels, "effects": listed(effects or {}), **fields}
-    sensor = Sensor.from_json(json.dumps(profile), "planted")
+    fields = {"id": "planted", **levels, "effects": listed(effects or {}), **fields}
+    sensor = changed("canon-70d", **fields)
     if "noise" in fields:
         return sensor
     return with_noise(sensor, full_well, read_noise, ISO)
+
+
+def changed(sensor, **fields):
+    """Return a sensor, or that of an id, with other fields; None leaves one out."""
+    sensor = Sensor(sensor) if isinstance(sensor, str) else sensor
+    profile = json.loads(sensor.to_json()) | fields
+    kept = {name: value for name, value in profile.items() if value is not None}
+    return Sensor.from_json(json.dumps(kept), "changed")
 
 
 def listed(effects):
@@ -68,10 +75,8 @@ def listed(effects):
 
 def x_trans():
     """Return a sensor of 6 x 6 sites, the same at all of them."""
-    profile = json.loads(Sensor("fujifilm-x-m1").to_json())
-    sites = len(profile["cfa"])
-    noise = {"iso": ISO, "beta1": [2e-4] * sites, "beta2": [4e-7] * sites}
-    return Sensor.from_json(json.dumps({**profile, "noise": [noise]}), "xtrans")
+    noise = {"iso": ISO, "beta1": [2e-4] * 36, "beta2": [4e-7] * 36}
+    return changed("fujifilm-x-m1", noise=[noise])
 
 
 @cache
@@ -198,9 +203,7 @@ def shown_set(sensor, captures, seed, extra=0.0, model=None):
 
 def bare(sensor):
     """Return the sensor with no noise of its own."""
-    profile = json.loads(sensor.to_json())
-    profile.pop("noise", None)
-    return Sensor.from_json(json.dumps(profile), "bare")
+    return changed(sensor, noise=None)
 
 
 def shot_by_registry(sensor, effects, seed=1, shape=(112, 144)):
@@ -208,7 +211,6 @@ def shot_by_registry(sensor, effects, seed=1, shape=(112, 144)):
     simulation of a sensor with effects, to be diagnosed as frames of one without them.
 
     effects : name -> parameters."""
-    profile = json.loads(sensor.to_json()) | {"effects": listed(effects)}
-    planted = Sensor.from_json(json.dumps(profile), "planted")
+    planted = changed(sensor, effects=listed(effects))
     bare_captures = simulate_captures(sensor, {}, seed=seed, shape=shape, twice=True)
     return replace(simulated(bare_captures, planted), sensor=sensor)

@@ -3,8 +3,6 @@
 """What is there without light, simulated by the registry and diagnosed: named first,
 with what was planted within its interval."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -14,22 +12,19 @@ from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.reader import in_groups
 from cg2raw.diagnose.captures.splits import GROUPS
 from diagnose.closed_loop import by_registry, simulated
-from diagnose.planted import READ, capture_of, sensor_of
+from diagnose.effects.test_by_registry import BIAS, GLOW
+from diagnose.planted import READ, READ_NOISE, capture_of, sensor_of
 
 SHAPE = (96, 128)
 TIMES = (0.0, 0.0, 0.5, 2.0, 4.0, 4.0)  # seconds: two biases, and darks
 SENSOR = sensor_of()
-# Of white, of the order of the read noise of a pixel.
-BIAS = {"horizontal": -READ, "vertical": 0.5 * READ}
-BIAS |= {"edge": 1.5 * READ, "edge_length": 12.0}
-GLOW = {"per_second": READ, "row": -1.0, "column": 0.6, "extent": 0.25}
-DRIFT = {"sigma": 0.2 * READ}
-UNEVEN = {"rate": 0.4 * READ, "log_sigma": 0.8}
-DARK = {"per_second": 0.4 * READ}
-
-
-def with_effects(**settings):
-    return sensor_of(effects=settings)
+ALL = {
+    "dark_current": {"per_second": 0.4 * READ},
+    "dark_current_nonuniformity": {"rate": 0.4 * READ, "log_sigma": 0.8},
+    "bias_structure": BIAS,
+    "black_level_drift": {"sigma": 0.2 * READ},
+    "amplifier_glow": GLOW,
+}
 
 
 def shots():
@@ -69,12 +64,13 @@ def missed(finding, planted):
 @pytest.mark.slow
 def test_uneven_dark_current_is_named_with_its_law():
     """Beside the dark current that a profile has."""
-    true = with_effects(dark_current=DARK, dark_current_nonuniformity=UNEVEN)
-    found = diagnosed(true, with_effects(dark_current=DARK))
-    assert [f.name for f in found.effects] == ["dark_current_nonuniformity"]
-    assert missed(found.effects[0], UNEVEN) == []
+    known, name = {"dark_current": ALL["dark_current"]}, "dark_current_nonuniformity"
+    true = sensor_of(effects={**known, name: ALL[name]})
+    found = diagnosed(true, sensor_of(effects=known))
+    assert [f.name for f in found.effects] == [name]
+    assert missed(found.effects[0], ALL[name]) == []
     effects = Sensor.from_json(found.profile_json, "found").effects
-    assert set(effects[1]["parameters"]) == set(UNEVEN)
+    assert set(effects[1]["parameters"]) == set(ALL[name])
 
 
 @pytest.mark.slow
@@ -84,22 +80,10 @@ def test_all_of_them_at_once_are_found():
     Chi-square of one draw is off by 0.011, one standard deviation of four: 0.005 by the
     noise of its report frames, the rest by the shot noise of a charge that so few darks
     do not tell better. A wrong law of the noise would be off in all of them."""
-    true = with_effects(
-        dark_current=DARK,
-        dark_current_nonuniformity=UNEVEN,
-        bias_structure=BIAS,
-        black_level_drift=DRIFT,
-        amplifier_glow=GLOW,
-    )
+    true = sensor_of(effects=ALL)
     draws = [diagnosed(true, draw=number) for number in range(4)]
     for found in draws:
-        assert {finding.name for finding in found.effects} == {
-            "dark_current",
-            "dark_current_nonuniformity",
-            "bias_structure",
-            "black_level_drift",
-            "amplifier_glow",
-        }
+        assert {finding.name for finding in found.effects} == set(ALL)
     chi2 = [found.gap.chi2_after for found in draws]
     assert np.mean(chi2) == pytest.approx(1, abs=0.015), chi2
     assert np.ptp(chi2) < 0.05, chi2
@@ -109,10 +93,7 @@ def test_noise_before_a_filter_of_the_file_is_what_the_profile_gets():
     """Frames have what it leaves, and those of the found profile agree with it."""
     noise = {"noise_reduction": {"blend": 0.15, "diagonal": 0.05}}
     noise |= {"dsnu": {"sigma": 0.5 * READ}, "row_noise": {"sigma": 0.3 * READ}}
-    profile = json.loads(with_effects(**noise).to_json())
-    for row in profile["noise"]:
-        row["beta2"] = [np.exp(0.3) * one for one in row["beta2"]]
-    found = diagnosed(Sensor.from_json(json.dumps(profile), "true"))
+    found = diagnosed(sensor_of(read_noise=np.exp(0.15) * READ_NOISE, effects=noise))
     by_name = {finding.name: finding for finding in found.effects}
     assert set(by_name) == {*noise, "read_noise"}
     for name, planted in {**noise, "read_noise": {"log_variance": 0.3}}.items():
@@ -124,8 +105,8 @@ def test_noise_before_a_filter_of_the_file_is_what_the_profile_gets():
 def test_a_chart_without_a_filter_has_the_profile_s():
     """Of pixels two apart, whose noise 0.1 of the neighbours leaves alike by 0.055."""
     weak, strong = ({"blend": b, "diagonal": 0.0} for b in (0.1, 0.3))
-    doubted = with_effects(noise_reduction=weak)
-    found = diagnosed(with_effects(noise_reduction=strong), doubted, details=True)
+    each = [sensor_of(effects={"noise_reduction": one}) for one in (strong, weak)]
+    found = diagnosed(*each, details=True)
     [finding] = found.effects
     assert (finding.name, finding.stated) == ("noise_reduction", True)
     assert missed(finding, strong) == []
@@ -140,15 +121,15 @@ def test_a_chart_without_a_filter_has_the_profile_s():
 def test_a_structure_that_is_in_the_profile_is_found_where_it_changed():
     """Steps start from what the profile has: not from zero, nor twice. What is too
     little to name is no other effect either."""
-    known = with_effects(bias_structure=BIAS)
+    known = sensor_of(effects={"bias_structure": BIAS})
     moved = {**BIAS, "edge": -0.5 * READ}
-    found = diagnosed(with_effects(bias_structure=moved), known)
+    found = diagnosed(sensor_of(effects={"bias_structure": moved}), known)
     assert [finding.name for finding in found.effects] == ["bias_structure"]
     (effect,) = Sensor.from_json(found.profile_json, "found").effects
     assert effect["parameters"]["edge"] == pytest.approx(moved["edge"], abs=0.1 * READ)
     assert effect["parameters"]["edge_length"] == pytest.approx(12.0, abs=4.0)
     for edge in (0.5 * READ, BIAS["edge"]):
-        true = with_effects(bias_structure={**BIAS, "edge": edge})
+        true = sensor_of(effects={"bias_structure": {**BIAS, "edge": edge}})
         assert diagnosed(true, known).effects == []
 
 

@@ -2,7 +2,6 @@
 # Copyright Contributors to the cg2raw Project.
 """What one model of darks and flats names, in frames of the generator."""
 
-import json
 import math
 from dataclasses import replace
 
@@ -22,11 +21,11 @@ from cg2raw.model.shapes import (
     pdaf_pixels,
     random_telegraph_noise,
 )
-from cg2raw.sensor import Sensor
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
 from cg2raw.synthetic.strengths import KINDS
 from diagnose.closed_loop import simulated
+from diagnose.planted import changed, listed
 from tiers import first_fast, slow
 
 SENSOR = drawn_sensor(5)
@@ -88,17 +87,17 @@ def test_each_is_named_alone(name):
     assert not diagnosed.unexplained
 
 
-DARK_CORNERS = {"name": "lens_shading", "parameters": {"r2": -0.3, "tilt_x": 0.05}}
-SLOPING = {"name": "bias_structure", "parameters": {"vertical": 2e-3}}
-HOT = {"name": "hot_pixels", "parameters": {"fraction": 2e-3, "rate": 2e-2}}
+STATED = {
+    "lens_shading": {"r2": -0.3, "tilt_x": 0.05},
+    "bias_structure": {"vertical": 2e-3},
+    "hot_pixels": {"fraction": 2e-3, "rate": 2e-2},
+}
 
 
-def stating(*effects):
+def stating(effects):
     """The sensor with a profile that states effects."""
-    entries = [one | {"parameters": stated_by(one, None)} for one in effects]
-    return Sensor.from_json(
-        json.dumps(json.loads(SENSOR.to_json()) | {"effects": entries})
-    )
+    entries = [one | {"parameters": stated_by(one, None)} for one in listed(effects)]
+    return changed(SENSOR, effects=entries)
 
 
 def seen_by(sensor, profile):
@@ -108,18 +107,15 @@ def seen_by(sensor, profile):
 
 
 def test_a_shape_that_the_profile_states_is_no_finding():
-    sensor = stating(DARK_CORNERS, SLOPING, HOT)
+    sensor = stating(STATED)
     made = seen_by(sensor, sensor)
     assert (list(made.names), made.unexplained, list(made.notes)) == ([], [], [])
 
 
 @pytest.mark.parametrize("name", ["lens_shading", "hot_pixels", slow("bias_structure")])
 def test_a_shape_of_another_size_than_the_profile_states_is_named(name):
-    effects = {one["name"]: one for one in (DARK_CORNERS, SLOPING, HOT)}
-    least = {key: 0.3 * value for key, value in effects[name]["parameters"].items()}
-    others = [one for one in effects.values() if one["name"] != name]
-    profile = stating({"name": name, "parameters": least}, *others)
-    made = seen_by(stating(*effects.values()), profile)
+    least = {key: 0.3 * value for key, value in STATED[name].items()}
+    made = seen_by(stating(STATED), stating(STATED | {name: least}))
     assert list(made.names) == [name]
     found = {v.parameter: v for v in values_of(made, [name]) if v.effect == name}
     for key, stated in least.items():
@@ -127,7 +123,7 @@ def test_a_shape_of_another_size_than_the_profile_states_is_named(name):
         value, low, high = (
             getattr(found[key], end) for end in ("value", "low", "high")
         )
-        truth = effects[name]["parameters"][key] - beyond
+        truth = STATED[name][key] - beyond
         assert abs(value - truth) < 2 * max(high - value, value - low, 1e-9)
 
 

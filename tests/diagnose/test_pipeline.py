@@ -2,7 +2,6 @@
 # Copyright Contributors to the cg2raw Project.
 """diagnose() as a whole, on small sets."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +18,7 @@ from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
 from diagnose.planted import (
     bare,
     capture_of,
+    changed,
     model_of,
     sensor_of,
     shown_set,
@@ -170,9 +170,7 @@ def test_isos_have_their_own_noise_and_share_what_is_missing():
         {"iso": iso, "beta1": [gain * 2e-4] * 4, "beta2": [gain * 4e-7] * 4}
         for iso, gain in ((100, 1), (800, 8))
     ]
-    profile = json.loads(SENSOR.to_json())
-    profile["noise"] = table
-    sensor = Sensor.from_json(json.dumps(profile), "isos")
+    sensor = changed(SENSOR, noise=table)
     low, high = (set_of(sensor, seed=n, iso=iso) for n, iso in ((1, 100.0), (2, 800.0)))
     renamed = [replace(c, name=c.name + "h", set=c.set + "h") for c in high.captures]
     found = run(CaptureSet(sensor, [*low.captures, *renamed]))

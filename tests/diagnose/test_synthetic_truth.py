@@ -4,7 +4,6 @@
 
 import csv
 import gzip
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +19,7 @@ from cg2raw.synthetic.measured import (
     polynomial_transmission,
 )
 from cg2raw.synthetic.sensors import drawn_sensor
+from diagnose.planted import changed
 
 SHAPE = (112, 144)
 LARGEST = 8.0  # coefficient that lens_shading may have
@@ -33,13 +33,6 @@ PIXELS = (
     ("hg-Pixel9Pro_1x_ProShot-v7_Ali", 3199),
     ("hg-Pixel9Pro_3x_ProShot-v7_Ali", 785),
 )
-
-
-def changed(sensor, **fields):
-    """Return a sensor, or that of an id, without effects, and with other fields."""
-    base = cg2raw.Sensor(sensor) if isinstance(sensor, str) else sensor
-    profile = {**json.loads(base.to_json()), "effects": [], **fields}
-    return cg2raw.Sensor.from_json(json.dumps(profile), "changed")
 
 
 def names_of(found):
@@ -79,7 +72,7 @@ def test_the_gain_map_of_a_hero6(camera_data):
     assert len(maps) == 4 and np.shape(maps[0]["gains"]) == (23, 23)
     shape = (144, 192)
     hidden = gain_map_transmission(maps, 4, shape)
-    sensor = changed("gopro-hero6-black")
+    sensor = changed("gopro-hero6-black", effects=[])
     captures = simulate_captures(
         sensor, {}, seed=3, shape=shape, measured=Measured(transmission=hidden)
     )
@@ -119,7 +112,7 @@ def test_read_noise_of_the_eld_cameras(camera):
     Gaussian profile of the same variance."""
     row = next(r for r in cg2raw.Sensor(camera).noise if r["iso"] == 1600)
     plain = {k: row[k] for k in ("iso", "beta1", "beta2")}
-    sensor = changed(camera, noise=[plain])
+    sensor = changed(camera, noise=[plain], effects=[])
     read = np.sqrt(row["beta2"][0])
     share = row["row_sigma"] / read
     noise = ReadNoise(row["tukey_lambda"], np.sqrt(1 - share**2), share)

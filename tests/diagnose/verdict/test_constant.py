@@ -18,6 +18,7 @@ from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
 from cg2raw.synthetic.strengths import KINDS
 from diagnose.closed_loop import simulated
+from diagnose.planted import bare
 
 SENSOR = drawn_sensor(5)
 WHITE = SENSOR.signal_range
@@ -146,17 +147,10 @@ def test_frames_of_another_iso_or_temperature_are_left_out():
 
 
 def test_a_profile_without_noise_takes_that_of_the_frames():
-    sensor = replace_noise(SENSOR)
-    captures = replace(captures_of(row_noise=0.5), sensor=sensor)
+    captures = replace(captures_of(row_noise=0.5), sensor=bare(SENSOR))
     found = diagnose(captures, details=False)
     assert names(found) == {"row_noise"}
     assert any("no noise" in note for note in found.notes)
-
-
-def replace_noise(sensor):
-    profile = json.loads(sensor.to_json())
-    del profile["noise"]
-    return Sensor.from_json(json.dumps(profile), "without noise")
 
 
 def test_a_time_limit_leaves_it_incomplete():
