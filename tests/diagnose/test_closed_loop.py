@@ -24,6 +24,7 @@ HIDDEN = [
     {"full_well": 0.05, "hot_pixels": None},
     {"heavy_tailed_noise": None, "black_level": None},
     {"blur": 0.6, "veiling_glare": 0.02},
+    {"mains_flicker": None, "read_noise_correlation": None},
 ]
 
 

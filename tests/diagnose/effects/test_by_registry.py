@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""Effects that the registry's simulation draws, alone: found with their values, and no
-gap where the profile lists them. All by name:
-tests/diagnose/test_darks_and_flats.py."""
+"""Effects that the registry's simulation draws, alone: found with their values. All by
+name: tests/diagnose/test_darks_and_flats.py; no gap where the profile lists them:
+tests/diagnose/test_closed_loop.py."""
 
 import pytest
 
 from cg2raw import Sensor
 from cg2raw.diagnose import diagnose
-from cg2raw.synthetic.captures import draw_hidden, simulate_captures
-from cg2raw.synthetic.sensors import drawn_sensor
-from diagnose.closed_loop import simulated
 from diagnose.planted import READ, sensor_of, shot_by_registry
 from tiers import slow
 
@@ -55,30 +52,3 @@ def test_it_is_found_with_its_values(name, values, seed):
         low, high = one.parameters[parameter].ci95
         assert low <= values[parameter] <= high <= low + widest, parameter
         assert low <= entry["parameters"][parameter] <= high
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "hidden",
-    [
-        {"lens_shading": 0.3, "row_noise": 0.3},
-        {"noise_reduction": 0.1},
-        {"prnu": 0.01, "poisson_shot_noise": None},
-        {"full_well": 0.05, "hot_pixels": None},
-        {"heavy_tailed_noise": None, "black_level": None},
-        {"blur": 0.6, "veiling_glare": 0.02},
-        {"mains_flicker": None, "read_noise_correlation": None},
-    ],
-    ids="+".join,
-)
-def test_frames_of_the_found_profile_have_no_gap(hidden):
-    """What the generator hides, simulated by the profile that has what was found."""
-    sensor = drawn_sensor(7)
-    truth = draw_hidden(sensor, hidden, seed=7)
-    captures = simulate_captures(sensor, truth, seed=7, twice=True)
-    found = diagnose(captures, details=False)
-    assert {one.name for one in found.effects} >= set(hidden) - {"poisson_shot_noise"}
-    better = Sensor.from_json(found.profile_json)
-    again = diagnose(simulated(captures, better), details=False)
-    assert again.verdict == "consistent"
-    assert again.gap.chi2_after == pytest.approx(1, abs=0.02)
