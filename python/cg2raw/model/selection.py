@@ -152,11 +152,16 @@ def selection(
             of_core = shapes.read_noise(variance, shapes.cores)
             gains["read_noise"] = of_core or gains["read_noise"]
         if gains.get(TAILS, 0.0) > least and shapes.most[1] is not None:
-            # A profile's noise is that of most draws, or of more, up to all.
-            kept = float(validation.theta[places["read_noise"]].mean())
-            total = kept * (shapes.whole[0] + NORMAL * shapes.whole[1])
+            # A profile's noise is that of most draws, or of more, up to all; and few
+            # frames lack the rarest and widest, which may add as much as tails do.
+            kept, most = (
+                validation.theta[places["read_noise"]].mean(),
+                shapes.most[1][0],
+            )
+            seen = float(kept) * (shapes.whole[0] + NORMAL * shapes.whole[1])
             of_most = shapes.read_noise(variance, shapes.most)
-            nothing = 0.0 if shapes.most[1][0] < variance < total else np.inf
+            total = seen + max(seen - most, 0.0)
+            nothing = 0.0 if most < variance < total else np.inf
             gains["read_noise"] = min(of_most or np.inf, nothing, gains["read_noise"])
     unnamed = {HALVES: halves.nats} if halves.nats else {}
     for name in UNNAMED:

@@ -27,7 +27,7 @@ from cg2raw.diagnose.scenes.view import View
 from cg2raw.statistics.constant import SMOOTH, polynomials
 
 NAME = "mains_flicker"
-TRAINING, VALIDATION, _ = GROUPS
+
 SHORTEST = 4.0  # px, as the registry bounds periods
 PADDED = 4  # steps of frequency in that which the rows tell apart
 AMPLITUDES = np.geomspace(1e-4, 0.5, 40)  # relative to light, that are begun with
@@ -197,7 +197,7 @@ def is_shown(captures: Iterable[Capture]) -> bool:
         if is_view and one.shows.light and one.means is None:
             sets[one.group, (one.set, one.kind, one.iso, one.exposure_time)] += 1
     repeated = {group for (group, _), count in sets.items() if count > 1}
-    return {TRAINING, VALIDATION} <= repeated
+    return {*GROUPS[:2]} <= repeated
 
 
 def waves_of(points: Sequence[Point], means: bool = False) -> Waves | None:
