@@ -112,7 +112,7 @@ def test_spots_may_be_in_the_sensitivity_of_a_profile(fits, stated, spots, names
 )
 def test_noise_of_a_profile_beside_tails(fits, of_profile, whole, is_named):
     """Most draws have seven tenths of all: a profile may have either, or between; and
-    three tenths more by draws that few frames have, of all as well as they are known."""
+    three tenths more by draws that few frames have, of all as they are known."""
     first, second, truth = fits
     own = np.isin(first.parameters.names, NAMES["read_noise"])
     lacks = np.where(own, truth * of_profile, truth)

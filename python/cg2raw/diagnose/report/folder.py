@@ -31,7 +31,7 @@ def check_folder(path: str, force: bool = False) -> None:
     if foreign:
         raise ValueError(
             f"-o {path}: holds {foreign[0]}, which is of no report; name another "
-            "folder, or add --force to write among its files"
+            "folder, or add --overwrite to write among its files"
         )
 
 

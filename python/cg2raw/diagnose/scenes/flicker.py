@@ -32,8 +32,8 @@ SHORTEST = 4.0  # px, as the registry bounds periods
 PADDED = 4  # steps of frequency in that which the rows tell apart
 AMPLITUDES = np.geomspace(1e-4, 0.5, 40)  # relative to light, that are begun with
 AT_ONCE = 256  # frequencies, for the sake of memory
-MOST_SHOWN = 200  # points of a chart
-STEP = 1e-3  # of a value, of which the curvature is taken
+MOST_POINTS = 200  # points of a chart
+RELATIVE_STEP = 1e-3  # of a value, of which the curvature is taken
 
 
 @dataclass(frozen=True)
@@ -108,13 +108,14 @@ class Waves:
         found = []
         for k in range(2):
             low, high = (
-                values * (1 + sign * STEP * (np.arange(2) == k)) for sign in (-1, 1)
+                values * (1 + sign * RELATIVE_STEP * (np.arange(2) == k))
+                for sign in (-1, 1)
             )
             left, middle, right = (
                 self.nats(one[0], one[1], factor) for one in (low, values, high)
             )
             bent = 2 * middle - left - right
-            found.append(STEP * values[k] / np.sqrt(max(bent, 1e-300)))
+            found.append(RELATIVE_STEP * values[k] / np.sqrt(max(bent, 1e-300)))
         return np.array(found)
 
     def smallest(self, least: float) -> float:
@@ -180,7 +181,7 @@ def series_of(waves: Waves, values: Array) -> Series:
     along = smooth * known[seen]
     beside = np.linalg.lstsq(along @ smooth.T, along @ (away - wave[seen]))[0]
     away = away - smooth.T @ beside
-    bins = np.array_split(np.arange(len(seen)), min(MOST_SHOWN, len(seen)))
+    bins = np.array_split(np.arange(len(seen)), min(MOST_POINTS, len(seen)))
     x, measured, after = (
         np.array([one[bin].mean() for bin in bins])
         for one in (rows[seen], 100 * away, 100 * wave[seen])
