@@ -33,14 +33,9 @@ ImageFacts facts(const std::vector<Part>& parts, std::string input_name,
                        openimageio_version,
                        {} };
     for (const auto& [name, channels, samples, is_flat, stated] : parts) {
-        // Field by field: GCC 12 frees too much where a copy in braces fails.
-        ImagePart& part = facts.parts.emplace_back();
-        part.names.name = name;
-        part.names.channels = channels;
-        part.samples = samples;
-        part.is_flat = is_flat;
+        facts.parts.push_back({ { name, channels }, samples, is_flat });
         for (const auto& [key, value] : stated)
-            part.metadata.add(key, value);
+            facts.parts.back().metadata.add(key, value);
     }
     if (facts.parts.empty())
         throw Error("an image has one part or more");

@@ -17,7 +17,6 @@ from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
 from cg2raw.diagnose.effects.catalogue import candidates, of_images
 from cg2raw.diagnose.frames.reader import read_frames
 from cg2raw.diagnose.scenes.decide import decide
-from cg2raw.diagnose.scenes.flicker import NAME as FLICKER
 from cg2raw.diagnose.scenes.flicker import is_shown
 from cg2raw.diagnose.scenes.noise_level import noise_models
 from cg2raw.diagnose.verdict.constant import diagnosis_of, unfinished
@@ -25,6 +24,7 @@ from cg2raw.diagnose.verdict.images import diagnosis_of_images
 from cg2raw.diagnose.verdict.together import together, with_images_alone
 from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
+from cg2raw.model.flicker import NAME as FLICKER
 from cg2raw.sensor import Sensor
 
 Progress = Callable[[str, float], None]

@@ -283,7 +283,7 @@ def lag_gains(
         value=value,
         refitted=lambda names: value(names, fitted(validation, names)),
     )
-    values, covariance, _ = fitted(training, gains or [reduction])
+    values, covariance, _ = fitted(training, gains)
     along = NAMES["read_noise_correlation"]
     of_rows = [
         validation.value(validation.fitted(_with(along, one))[0])

@@ -7,9 +7,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cg2raw.diagnose.captures.capture import KINDS
+from cg2raw.diagnose.captures.capture import KINDS, Capture
 from cg2raw.diagnose.scenes import flicker
-from cg2raw.diagnose.scenes.flicker import Waves, is_shown, measured, nats_of, series_of
+from cg2raw.diagnose.scenes.flicker import (
+    Waves,
+    chart_series,
+    is_shown,
+    measured,
+    validation_gain,
+)
 
 ROWS, KNOWN, LEAST = 120, 4e5, 8.0  # KNOWN : 1 / variance of a row's light, relative
 
@@ -34,7 +40,7 @@ def test_a_planted_wave(amplitude, period):
     away = []
     for seed in range(12):
         first, second = (waves((seed, k), amplitude, period) for k in range(2))
-        assert nats_of(first, second) > LEAST
+        assert validation_gain(first, second) > LEAST
         whole = waves((seed, 2), amplitude, period, differences=8)
         values, errors = measured(whole)
         away.append((values - (amplitude, period)) / errors)
@@ -46,7 +52,7 @@ def test_a_planted_wave(amplitude, period):
 @pytest.mark.parametrize("more", [{}, {"more": 3.0}, {"slope": 0.02}])
 def test_noise_rows_and_gradients_are_none(more):
     gains = [
-        nats_of(waves((seed, 3), **more), waves((seed, 4), **more))
+        validation_gain(waves((seed, 3), **more), waves((seed, 4), **more))
         for seed in range(40)
     ]
     assert max(gains) < LEAST
@@ -54,7 +60,7 @@ def test_noise_rows_and_gradients_are_none(more):
 
 def test_waves_of_two_periods_are_none():
     gains = [
-        nats_of(waves((n, 5), 0.003, 20.0), waves((n, 6), 0.003, 33.0))
+        validation_gain(waves((n, 5), 0.003, 20.0), waves((n, 6), 0.003, 33.0))
         for n in range(8)
     ]
     assert max(gains) < LEAST
@@ -63,7 +69,7 @@ def test_waves_of_two_periods_are_none():
 def test_half_as_much_again_as_the_smallest_is_seen():
     smallest = waves(0).smallest(LEAST)
     gains = [
-        nats_of(*(waves((seed, k), 1.5 * smallest) for k in (7, 8)))
+        validation_gain(*(waves((seed, k), 1.5 * smallest) for k in (7, 8)))
         for seed in range(20)
     ]
     expected = [waves((n, 9), smallest).nats(smallest, 30.0) for n in range(300)]
@@ -92,7 +98,7 @@ def test_offsets_of_rows_are_integrated_out(own, monkeypatch):
         base=light,
         frame_variance=variance,
     )
-    found = flicker.waves_of([point])
+    found = flicker.row_waves([point])
     away = (signals[0] - signals[1])[0] / np.sqrt(2)
     for row in range(5):
         covariance = np.diag(variance[0, row]) + own
@@ -101,11 +107,11 @@ def test_offsets_of_rows_are_integrated_out(own, monkeypatch):
         assert abs(found.score[0, row]) == pytest.approx(abs(whitened @ away[row]))
     tiles.shape = (3, 7)  # too few for a wave
     tiles.rows_and_columns = lambda: (np.array([0, 1, 2, 2, 2])[None, :, None], None)
-    assert flicker.waves_of([point]) is None
+    assert flicker.row_waves([point]) is None
 
 
 def test_the_chart_shows_the_wave():
-    shown = series_of(waves(9, 0.01, 40.0), np.array([0.01, 40.0]))
+    shown = chart_series(waves(9, 0.01, 40.0), np.array([0.01, 40.0]))
     assert np.abs(shown.after).max() > 0.5  # %
     assert not shown.before.any()
     assert (shown.measured - shown.after).std() < 0.25
@@ -124,15 +130,17 @@ def test_the_chart_shows_the_wave():
 )
 def test_lit_repeats_of_both_splits_show_it(kinds, scene, shown):
     captures = [
-        SimpleNamespace(
+        Capture(
+            name=kind,
             kind=kind,
-            shows=KINDS[kind],
-            scene=scene,
-            means=None,
+            shape=(4, 4),
             group=group,
             set=group,
+            illuminant="D65",
             iso=100.0,
             exposure_time=0.1,
+            raw=None,
+            scene=scene,
         )
         for group in ("fit", "select")
         for kind in kinds

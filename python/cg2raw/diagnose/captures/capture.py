@@ -108,6 +108,11 @@ class Capture:
     def shows(self) -> CaptureKind:
         return KINDS[self.kind]
 
+    @property
+    def has_known_light(self) -> bool:
+        """Whether what was in front of the lens is known."""
+        return self.scene is not None or self.shows.image
+
 
 @dataclass(frozen=True)
 class CaptureSet:

@@ -39,9 +39,9 @@ from cg2raw.diagnose.scenes.shapes import full_well, photons
 from cg2raw.diagnose.scenes.view import View, views_of
 from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
+from cg2raw.model.flicker import NAME as FLICKER
 
 WELL, PHOTONS, BLUR = "full_well", "poisson_shot_noise", "blur"
-FLICKER = waves.NAME
 FIT, SELECT, REPORT = "fit", "select", "report"
 PASSES = 5
 SETTLED = 0.1  # standard errors that a pass still moves values
@@ -503,12 +503,12 @@ class Scenes:
         if FLICKER not in self.names or self.stated_flicker is not None:
             return
         train, validation = (
-            waves.waves_of(self.points_of(one)) for one in (FIT, SELECT)
+            waves.row_waves(self.points_of(one)) for one in (FIT, SELECT)
         )
         if train is None or validation is None:
             return
         self.least_flicker = validation.smallest(self.least)
-        gain = waves.nats_of(train, validation)
+        gain = waves.validation_gain(train, validation)
         if gain >= self.least:
             self.nats[FLICKER] = gain
             self._measure_flicker()
@@ -519,7 +519,7 @@ class Scenes:
         if FLICKER in self.nats:
             known = not self.capture_set.nuisances & {"registration", "radiance"}
             points = [*self.points_of(FIT), *self.points_of(SELECT)]
-            if (found := waves.waves_of(points, known)) is not None:
+            if (found := waves.row_waves(points, known)) is not None:
                 self.shapes[FLICKER] = waves.measured(found)
 
     def _count_photons(self) -> None:

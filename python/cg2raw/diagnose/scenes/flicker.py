@@ -24,12 +24,9 @@ from cg2raw.diagnose.scenes.gram import Array
 from cg2raw.diagnose.scenes.point import Point
 from cg2raw.diagnose.scenes.predict import offset_variances
 from cg2raw.diagnose.scenes.view import View
+from cg2raw.model.flicker import PADDED, SHORTEST
 from cg2raw.statistics.constant import SMOOTH, polynomials
 
-NAME = "mains_flicker"
-
-SHORTEST = 4.0  # px, as the registry bounds periods
-PADDED = 4  # steps of frequency in that which the rows tell apart
 AMPLITUDES = np.geomspace(1e-4, 0.5, 40)  # relative to light, that are begun with
 AT_ONCE = 256  # frequencies, for the sake of memory
 MOST_POINTS = 200  # points of a chart
@@ -54,8 +51,8 @@ class Waves:
         return found
 
     def at(self, frequencies: Array) -> tuple[Array, Array]:
-        """Return score (F, K, 2) and information (F, K, 2, 2) of both phases, beside
-        what is smooth down the frame. frequencies : (K,)."""
+        """Return score (F, K, 2) and information (F, K, 2, 2) of both phases,
+        without what is smooth down the frame. frequencies : (K,)."""
         if len(frequencies) > AT_ONCE:
             parts = np.array_split(frequencies, len(frequencies) // AT_ONCE + 1)
             first, second = zip(*map(self.at, parts), strict=True)
@@ -151,7 +148,7 @@ def evidence(score: Array, information: Array, amplitude: float) -> Array:
     return found
 
 
-def nats_of(training: Waves, validation: Waves) -> float:
+def validation_gain(training: Waves, validation: Waves) -> float:
     """Return what validation frames gain by the flicker that training frames have."""
     factor = max(training.unevenness, validation.unevenness)
     amplitude, period = training.fitted(factor)
@@ -165,9 +162,9 @@ def measured(waves: Waves) -> tuple[Array, Array]:
     return values, waves.errors(values, waves.unevenness)
 
 
-def series_of(waves: Waves, values: Array) -> Series:
+def chart_series(waves: Waves, values: Array) -> Series:
     """Return the light of rows, %, in the difference of frames that shows most of a
-    flicker of (amplitude, period), beside what is smooth."""
+    flicker of (amplitude, period), without what is smooth."""
     score, information = (one[:, 0] for one in waves.at(np.array([1 / values[1]])))
     best = int((score**2).sum(axis=1).argmax())
     inner = information[best] + 2 / values[0] ** 2 * np.eye(2)
@@ -179,8 +176,8 @@ def series_of(waves: Waves, values: Array) -> Series:
     smooth = polynomials(len(rows))[: SMOOTH + 1, seen]
     away = (waves.score[best] / np.maximum(known, 1e-300))[seen]
     along = smooth * known[seen]
-    beside = np.linalg.lstsq(along @ smooth.T, along @ (away - wave[seen]))[0]
-    away = away - smooth.T @ beside
+    low = np.linalg.lstsq(along @ smooth.T, along @ (away - wave[seen]))[0]
+    away = away - smooth.T @ low
     bins = np.array_split(np.arange(len(seen)), min(MOST_POINTS, len(seen)))
     x, measured, after = (
         np.array([one[bin].mean() for bin in bins])
@@ -194,14 +191,13 @@ def is_shown(captures: Iterable[Capture]) -> bool:
     select, have lit frames of pixels that repeat."""
     sets: Counter[tuple[str, object]] = Counter()
     for one in captures:
-        is_view = one.scene is not None or one.shows.image
-        if is_view and one.shows.light and one.means is None:
+        if one.has_known_light and one.shows.light and one.means is None:
             sets[one.group, (one.set, one.kind, one.iso, one.exposure_time)] += 1
     repeated = {group for (group, _), count in sets.items() if count > 1}
     return {*GROUPS[:2]} <= repeated
 
 
-def waves_of(points: Sequence[Point], means: bool = False) -> Waves | None:
+def row_waves(points: Sequence[Point], means: bool = False) -> Waves | None:
     """Return what the frames of views say; None without lit ones that repeat, or whose
     rows are fewer than a wave.
 

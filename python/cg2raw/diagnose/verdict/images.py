@@ -22,8 +22,8 @@ from cg2raw.diagnose.diagnosis import (
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import effect, heading, title
 from cg2raw.diagnose.scenes.curves import curves_of
-from cg2raw.diagnose.scenes.decide import FLICKER, PHOTONS, WELL, Scenes
-from cg2raw.diagnose.scenes.flicker import series_of, waves_of
+from cg2raw.diagnose.scenes.decide import PHOTONS, WELL, Scenes
+from cg2raw.diagnose.scenes.flicker import chart_series, row_waves
 from cg2raw.diagnose.scenes.pictures import histogram, pictures_of
 from cg2raw.diagnose.scenes.predict import variance_left
 from cg2raw.diagnose.scenes.selection import limits
@@ -36,6 +36,7 @@ from cg2raw.diagnose.verdict.findings import (
 from cg2raw.diagnose.verdict.profile import updated_profile
 from cg2raw.diagnose.verdict.unexplained import chi_square_test, left_over
 from cg2raw.model.figures import NORMAL
+from cg2raw.model.flicker import NAME as FLICKER
 
 STRENGTHS = np.geomspace(1e-4, 1.0, 81)  # of effects without derivatives
 
@@ -221,14 +222,15 @@ def _limits(found: Scenes) -> Iterator[DetectionLimit]:
 
 def _charts(found: Scenes) -> Iterator[Chart]:
     """Yield the chart of flicker: what test frames that repeat each other differ by."""
-    waves = waves_of(found.test_points[1])
-    if FLICKER in found.shapes and waves is not None:
+    if FLICKER not in found.shapes:
+        return
+    if (waves := row_waves(found.test_points[1])) is not None:
         yield Chart(
             FLICKER,
             "Light of the rows in the difference of two test frames",
             "row",
             "% of the light",
-            (series_of(waves, found.shapes[FLICKER][0]),),
+            (chart_series(waves, found.shapes[FLICKER][0]),),
         )
 
 

@@ -38,7 +38,7 @@ def with_images_alone(
     lit = [
         _without(capture, masked)
         for capture in captures.captures
-        if capture.scene is not None or capture.shows.image
+        if capture.has_known_light
         if capture.shows.light or capture not in used
     ]
     return replace(captures, sensor=sensor, captures=lit)
