@@ -78,7 +78,7 @@ def test_what_is_planted_is_named_first(name, parameters, compared, within):
 
 @pytest.mark.parametrize(
     ("name", "beta", "factor"),
-    first_fast([("read_noise", "beta2", 2.5), ("shot_noise", "beta1", 1.3)], 1),
+    first_fast([("read_noise", "beta2", 1.3), ("shot_noise", "beta1", 1.3)], 1),
 )
 def test_noise_of_the_one_site_is_named_and_repaired(name, beta, factor):
     true = {"beta1": 1 / FULL_WELL, "beta2": READ**2}[beta] * factor
@@ -88,13 +88,18 @@ def test_noise_of_the_one_site_is_named_and_repaired(name, beta, factor):
     assert row[beta] == pytest.approx([true], rel=0.05)
 
 
-def test_noise_that_is_cut_at_zero_hides_no_effect():
-    """Without a pedestal a dark shows half of its noise, of 2.5 DN here."""
-    sigma, levels = 0.3 * READ, {"black": 0, "white": 4095}
+@pytest.mark.parametrize(
+    ("white", "noise", "lights"), first_fast([(2047, 1.2, 2), (16383, 13.0, 1)], 1)
+)
+def test_noise_that_is_cut_at_zero_hides_no_effect(white, noise, lights):
+    """Without a pedestal a dark shows half of its noise. noise : DN."""
+    read, levels = noise / white, {"black": 0, "white": white}
+    sigma, levels = 0.3 * read, levels | {"beta2": read**2}
     true = sensor_of({"column_fixed_pattern": {"sigma": sigma}}, **levels)
     bare = sensor_of(**levels)
     captures = captures_of(true, bare, ("dark", "flat"), (64, 96))
-    found = diagnose(captures, details=False, threads=1)
+    dim = [c for c in captures.captures if lights > 1 or c.scene()[0] < 0.3]
+    found = diagnose(replace(captures, captures=dim), details=False, threads=1)
     assert found.verdict == "explained"
     [effect] = found.effects
     assert effect.name == "column_fixed_pattern"
@@ -102,10 +107,12 @@ def test_noise_that_is_cut_at_zero_hides_no_effect():
     assert found.gap.chi2_after == pytest.approx(1, abs=0.02)
 
 
-def test_noise_that_no_profile_states_is_estimated():
+@pytest.mark.parametrize("kinds", [KINDS, ("dark", "scene")])
+def test_noise_that_no_profile_states_is_estimated(kinds):
+    """Darks alone do not tell that of light."""
     fields = {"id": "mono", "black_level": 256, "noise": None}
     unmeasured = cg2raw.Sensor.from_json(cameras.mono_text(**fields))
-    found = diagnose(captures_of(sensor_of(), unmeasured), threads=1)
+    found = diagnose(captures_of(sensor_of(), unmeasured, kinds), threads=1)
     assert found.effects == []
     (row,) = cg2raw.Sensor.from_json(found.profile_json).noise
     assert row["beta1"] == pytest.approx([1 / FULL_WELL], rel=0.1)

@@ -5,8 +5,9 @@
 Variances may come out a little below 0: that is within their errors, and a bound at 0
 would move the others."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -209,6 +210,22 @@ def refitted(
     return Fit(likelihood.parameters, theta, covariance, found.value, likelihood)
 
 
+def likeliest(
+    profile: Array,
+    likelihood: Likelihood,
+    theta: Array,
+    free: NDArray[np.bool_],
+    prior: Prior | None = None,
+) -> Fit:
+    """Return the fit from a start; where codes are few, which have several
+    explanations, or that from the profile, (n,), if it is likelier."""
+    found = refitted(likelihood, theta, free, prior)
+    if not likelihood.is_coarse:
+        return found
+    other = refitted(likelihood, np.where(free, profile, theta), free, prior)
+    return max(found, other, key=lambda fit: fit.value)
+
+
 def _curvature(information: Array, seen: Sequence[tuple[Array, Array]]) -> Array:
     """Return the information with the curvature that was seen along steps: (step, by
     how much the score fell), oldest first. Where scoring steps too far, as where codes
@@ -299,6 +316,8 @@ def start_of(
         if parameters.sites == 1 and component.name.startswith("color_shading"):
             free[at] = False
     free[parameters.of("dark_current")] = has_times
+    if first.frames[darks].sum() < 3:  # of two times, it cannot be told from read noise
+        free[parameters.of("dsnu and dark current")] = False
     rest = int(darks.sum()) - likelihood.levels.parameters_of_means
     free[parameters.of("black_level_drift")] = (darks & first.repeats).any() or rest > 0
     free[parameters.each("black_level")] = darks.any()
@@ -426,9 +445,15 @@ def gain_of(
 
     trained : (n,). prior : of how far something else moves them from the profile's."""
     free = validation.known & ~own
-    values = []
-    for pinned, known in ((trained, None), (profile, prior)):
-        start = np.where(own, pinned, validation.theta)
-        let = free if known is None else free | own
-        values.append(refitted(validation.likelihood, start, let, known).value)
-    return values[0] - values[1]
+    likelihood, base = validation.likelihood, validation.theta
+
+    def gain(best: Callable[..., Fit]) -> float:
+        let = free if prior is None else free | own
+        start = np.where(own, profile, base)
+        null = best(likelihood, start, let, prior)
+        return best(likelihood, np.where(own, trained, base), free).value - null.value
+
+    gained = gain(refitted)
+    if gained <= 0 or not likelihood.is_coarse:
+        return gained
+    return gain(partial(likeliest, profile))
