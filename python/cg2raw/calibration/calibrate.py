@@ -109,7 +109,6 @@ def calibrate(
             sum(len(group.frames) for group in flat_groups),
         ),
         fit=fit,
-        repeats=seen.replicates,
         transients=transients_of(seen),
         excluded=excluded,
         defects=defects,

@@ -48,10 +48,10 @@ class Calibration(DarkResults, FlatResults):
 
     sensor : whose profile was given. iso : of the frames, None if nobody says it.
     shape : (H, W) px. frames : (darks, flats). fit : figures by one likelihood, and why
-    darks do not show all of them. repeats : how many of the shortest darks repeat each
-    other, group by group. excluded : {name of a frame that is none of its repeats: how
-    it is off}. transients : {group: how many pixels of single frames are far off their
-    repeats, by cosmic rays or flicker}. defects : (H, W), None where there are none."""
+    darks do not show all of them. excluded : {name of a frame that is none of its
+    repeats: how it is off}. transients : {group: how many pixels of single frames are
+    far off their repeats, by cosmic rays or flicker}. defects : (H, W), None where
+    there are none."""
 
     sensor: Sensor
     sites: Sites
@@ -59,7 +59,6 @@ class Calibration(DarkResults, FlatResults):
     iso: float | None
     frames: tuple[int, int]
     fit: Fitted = field(default_factory=Fitted)
-    repeats: tuple[int, ...] = ()
     transients: Mapping[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     excluded: Mapping[str, str] = field(default_factory=dict)
@@ -176,7 +175,7 @@ def of_bias(c: Calibration) -> Iterator[Answer]:
     for drift in c.fit.figures:
         if drift.name == "black level drift":
             # By the chi-square of its few frames: by noise it is as large in 1 of 740.
-            half = (sum(c.repeats) - len(c.repeats)) / 2
+            half = drift.freedom / 2
             # The ends of its interval are those of the total less the part of noise.
             low, most = gammaincinv(half, [0.025, 1 - CHANCE]) / half
             total = (drift.high**2 - drift.value**2) / (1 / low - 1)

@@ -73,8 +73,8 @@ def of_darks(found: Calibration) -> Iterator[str]:
     has_drift = found.figure("black level drift") is not None
     if not found.fit.lost and found.frames[0] and not has_drift:
         yield (
-            "black level drift: needs two darks of the shortest exposure; errors of "
-            "black level and dark current leave it out"
+            "black level drift: needs two darks of one exposure; errors of black level "
+            "and dark current leave it out"
         )
     if found.frames[0] and found.dark is None and found.fit.lost != "cut":
         yield (

@@ -47,12 +47,6 @@ class Seen:
         """Numbers of the darks of the shortest exposure."""
         return [n for n in self.darks if self.time(n) == self.time(self.darks[0])]
 
-    @property
-    def replicates(self) -> tuple[int, ...]:
-        """How many of the shortest darks repeat each other, group by group."""
-        frames = self.statistics.frames
-        return tuple(int(frames[n]) for n in self.statistics.shortest_darks(""))
-
     def time(self, number: int) -> float:
         """Return the exposure time of a group, s; 0 where it is not known."""
         return self.statistics.groups[number].exposure_time or 0.0

@@ -8,7 +8,7 @@ A PRNU that is measured above a higher frequency, as EMVA 1288 has it, is smalle
 the response also varies from ten pixels to a hundred."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import gammaincinv, stdtrit
@@ -28,7 +28,8 @@ MOST_CUT = 0.5
 @dataclass(frozen=True)
 class Figure:
     """A named value. low, high : its 95 % interval. site : the plane whose it is, in
-    raster order of the CFA's repeat; None if it is of all."""
+    raster order of the CFA's repeat; None if it is of all. freedom : of chi-square, of
+    one whose interval is by that."""
 
     name: str
     unit: str
@@ -37,6 +38,7 @@ class Figure:
     low: float
     high: float
     site: int | None = None
+    freedom: float = np.inf
 
     @classmethod
     def normal(
@@ -94,36 +96,32 @@ def _by_student(
 
 
 def _drift(statistics: ConstantStatistics, found: Fit) -> Figure:
-    """Return the sd of the level of the shortest darks that repeat each other, less
-    what noise moves it; its interval is that of chi-square. If each split has one group
-    of them, all of these repeat each other."""
+    """Return the sd of the level of darks that repeat each other, less what noise moves
+    it; its interval is that of chi-square. If each split has one group of them of an
+    exposure time, all of these repeat each other."""
     planes = found.likelihood.planes
-    darks = statistics.shortest_darks()
-    if not len(darks):
-        return Figure("black level drift", "DN", np.nan, np.nan, np.nan, np.nan)
-    splits = {statistics.groups[g].split for g in darks}
     total = freedom = floor = 0.0
-    for some in [darks] if len(splits) == len(darks) else darks[:, None]:
-        each = [np.concatenate([p.plane.levels[g] for g in some]) for p in planes]
-        levels = np.mean(each, axis=0)
-        records = [plane.records(found.theta)[0][3, some] for plane in planes]
-        response = float(np.mean(records))
-        again = len(levels) - 1
-        total += float(levels.var(ddof=1)) * again / response**2
-        noise = float(found.likelihood.levels.noise[0][some].mean())
-        floor += again * noise / response**2
-        freedom += again
+    for darks in statistics.darks_by_time():
+        splits = {statistics.groups[g].split for g in darks}
+        for some in [darks] if len(splits) == len(darks) else darks[:, None]:
+            each = [np.concatenate([p.plane.levels[g] for g in some]) for p in planes]
+            levels = np.mean(each, axis=0)
+            records = [plane.records(found.theta)[0][3, some] for plane in planes]
+            response = float(np.mean(records))
+            again = len(levels) - 1
+            total += float(levels.var(ddof=1)) * again / response**2
+            noise = float(found.likelihood.levels.noise[0][some].mean())
+            floor += again * noise / response**2
+            freedom += again
+    if not freedom:
+        return Figure("black level drift", "DN", np.nan, np.nan, np.nan, np.nan)
     total, floor = total / freedom, floor / freedom
     # By the quantiles of chi-square.
     ends = total * freedom / (2 * gammaincinv(freedom / 2, [0.975, 0.025]))
     error = total * np.sqrt(2 / freedom)
-    return _root(
-        "black level drift",
-        "DN",
-        total - floor,
-        error,
-        (ends[0] - floor, ends[1] - floor),
-    )
+    around = ends[0] - floor, ends[1] - floor
+    root = _root("black level drift", "DN", total - floor, error, around)
+    return replace(root, freedom=freedom)
 
 
 def _root(

@@ -266,6 +266,12 @@ class ConstantStatistics:
         found: NDArray[np.intp] = darks[times == times.min(initial=np.inf)]
         return found
 
+    def darks_by_time(self) -> list[NDArray[np.intp]]:
+        """Return the numbers of darks that repeat each other, of each exposure time."""
+        darks = np.flatnonzero(~self.is_flat & (self.pairs > 0))
+        times = np.array([self.groups[n].exposure_time or 0.0 for n in darks], float)
+        return [darks[times == time] for time in np.unique(times)]
+
     def masked(self, shape: tuple[int, int]) -> NDArray[np.bool_]:
         """Return (H, W), which samples are masked, of frames of a shape, whose last
         lines may be in none of the planes."""

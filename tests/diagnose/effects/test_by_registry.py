@@ -23,7 +23,7 @@ WIDEST = {
     "mains_flicker": {"amplitude": 0.02, "period": 8.0},
     "bias_structure": dict.fromkeys(BIAS, 0.5 * READ) | {"edge_length": 12.0},
     "amplifier_glow": dict.fromkeys(GLOW, 0.2),
-    "black_level_drift": {"sigma": 1.5 * READ},
+    "black_level_drift": {"sigma": READ},
 }
 
 
@@ -38,7 +38,8 @@ WIDEST = {
         slow("read_noise_correlation", {"coefficient": 0.25}, 2),
         slow("bias_structure", BIAS, 1),
         slow("amplifier_glow", GLOW, 1),
-        slow("black_level_drift", {"sigma": 0.2 * READ}, 2),
+        slow("black_level_drift", {"sigma": 0.2 * READ}, 1),
+        slow("black_level_drift", {"sigma": 0.4 * READ}, 3),
     ],
 )
 def test_it_is_found_with_its_values(name, values, seed):

@@ -37,7 +37,6 @@ def measurements_of(found: DarksAndFlats, wanted: Collection[str]) -> Calibratio
         iso=capture.iso,
         frames=(0, 0),
         fit=fit,
-        repeats=seen.replicates,
     )
     black = measured.black
     darks = read_darks(seen, fit, black)
