@@ -63,9 +63,10 @@ def effect_values(
     for effect, (parameter, name) in LOGARITHMS.items():
         own = found.parameters.each(parameter)
         theta, covariance = found.theta[own], found.covariance[own, own]
-        ratio = theta / profile[own]
-        if not (np.isfinite(covariance).all() and (ratio > 0).all()):
+        is_known = np.isfinite(covariance).all()
+        if not (is_known and (np.minimum(theta, profile[own]) > 0).all()):
             continue
+        ratio = theta / profile[own]
         slope = 1 / theta / len(theta)
         value = float(np.log(ratio).mean())
         error = float(np.sqrt(slope @ covariance @ slope))

@@ -50,6 +50,7 @@ from cg2raw.model.values import LOGARITHMS
 from cg2raw.statistics.constant import ConstantStatistics
 
 FILTER = "noise_reduction"
+GAIN_ERRORS = 20.0  # standard errors of a gain that a noise table has: it is known to 5 %
 # What else an effect moves: the mean of a pattern, the variance of wider noise.
 MOVES: Mapping[str, tuple[str, ...]] = {
     "dark_current_nonuniformity": ("dark_current",),
@@ -141,11 +142,14 @@ def unfinished(captures: CaptureSet, *, interrupted: bool) -> Diagnosis:
 
 def noise_row(found: DarksAndFlats) -> dict[str, Any] | None:
     """Return a row of a noise table as the frames show it; None where the profile has
-    one, or of frames of no known ISO."""
+    one, of frames of no known ISO, and of darks with too little light of their own."""
     iso = found.used[0].iso
-    if found.has_noise or iso is None:
-        return None
     sensor, at = found.captures.sensor, found.both.parameters.of
+    gains = found.both.parameters.each("gain")
+    errors = np.sqrt(np.diagonal(found.both.covariance)[gains])
+    is_known = (found.both.theta[gains] > GAIN_ERRORS * errors).all()
+    if found.has_noise or iso is None or not is_known:
+        return None
     ranges = sensor.white_level - np.asarray(sensor.black_level, float)
     sites = np.arange(found.both.parameters.sites)
     beta1 = found.both.theta[at("gain") + sites] / ranges
