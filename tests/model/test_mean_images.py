@@ -23,6 +23,20 @@ def test_a_curve_that_is_sampled_elsewhere(length, by):
     assert moved == pytest.approx(low @ curve(along), abs=1e-9)
 
 
+def test_noise_of_few_samples_stays_that_of_one():
+    """36 planes of 16 x 21 samples, of white noise: moved to one place, coefficients
+    would have three times as much."""
+    rng = np.random.default_rng(3)
+    frame = np.rint(rng.normal(1000.0, 30.0, (96, 126))).astype(np.uint16)
+    found = frame_statistics([(GroupInfo("dark", ("a",)), [lambda: frame])], 6, 65535)
+    planes = [coefficients_of(p, site, 6) for site, p in enumerate(found.planes)]
+    for part, name in enumerate(PARTS[:-1]):
+        if "fast" not in name:
+            values = np.array([plane[part] for plane in planes]) / 30.0
+            sure = 4 * np.sqrt(2 / values.size)
+            assert np.mean(values**2) == pytest.approx(1, abs=sure), name
+
+
 def test_planes_of_a_smooth_frame_are_alike():
     """A polynomial over the frame, in four planes: what is left is rounding."""
     down, across = np.mgrid[-1 : 1 : 96 * 1j, -1 : 1 : 128 * 1j]

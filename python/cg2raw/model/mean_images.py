@@ -269,19 +269,34 @@ def low_of(plane: PlaneStatistics, site: int, side: int) -> Array:
     found[:, 0, 1:] = plane.columns @ across[1:].T * np.sqrt(h)
     of_field = found[:, 1 : FIELD + 1, 1 : FIELD + 1]
     of_field[:] = plane.field[:, : of_field.shape[1], : of_field.shape[2]]
-    moved = [
-        moved_by(length, (of - (side - 1) / 2) / side)
-        for length, of in zip((h, w), divmod(site, side), strict=True)
-    ]
+    moved = _moved(plane.shape, site, side)
     return np.asarray(np.einsum("jk,gkl,ml->gjm", moved[0], found, moved[1]))
 
 
+def _moved(shape: tuple[int, int], site: int, side: int) -> list[Array]:
+    """Return what makes coefficients of a plane those of the middle of the repeat."""
+    return [
+        moved_by(length, (of - (side - 1) / 2) / side)
+        for length, of in zip(shape, divmod(site, side), strict=True)
+    ]
+
+
+def moved_noise(shape: tuple[int, int], site: int, side: int) -> Array:
+    """Return (degrees down, degrees across), the variance that coefficients have when
+    moved as in low_of, of 1 before: more where planes are of few samples."""
+    down, across = _moved(shape, site, side)
+    used = np.zeros((len(down), len(across)))
+    used[1:, 0] = used[0, 1:] = used[1 : FIELD + 1, 1 : FIELD + 1] = 1.0
+    return np.asarray(np.square(down) @ used @ np.square(across).T)
+
+
 def coefficients_of(plane: PlaneStatistics, site: int, side: int) -> list[Array]:
-    """Return (G, n) coefficients of each part but pixel, in the order of PARTS."""
+    """Return (G, n) coefficients of each part but pixel, in the order of PARTS; all
+    have the noise of a sample."""
     h, w = plane.shape
     down, across = polynomials(h)[1:], polynomials(w)[1:]
     rows, columns = plane.rows * np.sqrt(w), plane.columns * np.sqrt(h)
-    low = low_of(plane, site, side)
+    low = low_of(plane, site, side) / np.sqrt(moved_noise(plane.shape, site, side))
     of_rows, of_columns = low[:, 1:, 0], low[:, 0, 1:]
     found = {
         "smooth_rows": of_rows[:, :SMOOTH],
