@@ -50,7 +50,7 @@ from cg2raw.model.values import LOGARITHMS
 from cg2raw.statistics.constant import ConstantStatistics
 
 FILTER = "noise_reduction"
-GAIN_ERRORS = 20.0  # standard errors of a gain that a noise table has: it is known to 5 %
+GAIN_ERRORS = 20.0  # that a gain of a noise table is: known to 5 %
 # What else an effect moves: the mean of a pattern, the variance of wider noise.
 MOVES: Mapping[str, tuple[str, ...]] = {
     "dark_current_nonuniformity": ("dark_current",),
