@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.model.components import FIXED
-from cg2raw.model.fit import Fit, Prior, gain_of, likeliest
+from cg2raw.model.fit import Fit, Prior, gain_of, refitted
 from cg2raw.model.mean_images import low_of
 from cg2raw.model.smallest_set import gains_in_smallest_set
 from cg2raw.statistics.constant import PARTS, Array, lines_of_mosaic, polynomials
@@ -74,6 +74,7 @@ class DarkLevels:
             trained,
             self.validation,
             self.profile,
+            least,
         )
         return {name: min(gain, most) for name, gain in gains.items()}
 
@@ -131,7 +132,7 @@ class DarkLevels:
             priors.append(Prior(places, trained.theta[places], known))
             free |= told
         prior = Prior.of_all(priors) if priors else None
-        return likeliest(self.profile, likelihood, start, free, prior), prior
+        return refitted(likelihood, start, free, prior), prior
 
     def _prior(self, name: str) -> Prior | None:
         """Return where patterns whose mean is not 0 move a level from a profile's."""

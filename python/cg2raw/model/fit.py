@@ -5,9 +5,8 @@
 Variances may come out a little below 0: that is within their errors, and a bound at 0
 would move the others."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -208,22 +207,6 @@ def refitted(
         theta, found = trial, better
     _, covariance = _solved(found.score, found.information, free)
     return Fit(likelihood.parameters, theta, covariance, found.value, likelihood)
-
-
-def likeliest(
-    profile: Array,
-    likelihood: Likelihood,
-    theta: Array,
-    free: NDArray[np.bool_],
-    prior: Prior | None = None,
-) -> Fit:
-    """Return the fit from a start; where codes are few, which have several
-    explanations, or that from the profile, (n,), if it is likelier."""
-    found = refitted(likelihood, theta, free, prior)
-    if not likelihood.is_coarse:
-        return found
-    other = refitted(likelihood, np.where(free, profile, theta), free, prior)
-    return max(found, other, key=lambda fit: fit.value)
 
 
 def _curvature(information: Array, seen: Sequence[tuple[Array, Array]]) -> Array:
@@ -439,21 +422,27 @@ def gain_of(
     trained: Array,
     validation: Fit,
     profile: Array,
+    least: float,
     prior: Prior | None = None,
 ) -> float:
     """Return the nats of parameters @own, (n,), as trained over those of a profile.
 
-    trained : (n,). prior : of how far something else moves them from the profile's."""
+    trained : (n,). least : nats that count. prior : of how far something else moves
+    them from the profile's."""
     free = validation.known & ~own
-    likelihood, base = validation.likelihood, validation.theta
+    let = free if prior is None else free | own
 
-    def gain(best: Callable[..., Fit]) -> float:
-        let = free if prior is None else free | own
-        start = np.where(own, profile, base)
-        null = best(likelihood, start, let, prior)
-        return best(likelihood, np.where(own, trained, base), free).value - null.value
+    def values(start: Array) -> list[float]:
+        sides = (profile, let, prior), (trained, free, None)
+        fits = (
+            refitted(validation.likelihood, np.where(own, pinned, start), let, about)
+            for pinned, let, about in sides
+        )
+        return [found.value for found in fits]
 
-    gained = gain(refitted)
-    if gained <= 0 or not likelihood.is_coarse:
-        return gained
-    return gain(partial(likeliest, profile))
+    null, found = values(validation.theta)
+    if found - null > least and validation.likelihood.is_coarse:
+        # Few codes have several explanations: the likelier one of two starts counts.
+        again = values(np.where(validation.known, profile, validation.theta))
+        null, found = max(null, again[0]), max(found, again[1])
+    return found - null

@@ -121,7 +121,7 @@ def selection(
         trained = training.theta
         if name in LOGARITHMS:
             trained = _in_common(trained, own, profile)
-        gains[name] = gain_of(own, trained, validation, profile, prior)
+        gains[name] = gain_of(own, trained, validation, profile, least, prior)
     levels = {name: places[name] for name in LEVELS if name in places}
     pair = training, validation
     if "black_level_drift" not in levels and together is not None:
@@ -167,7 +167,7 @@ def selection(
     for name in UNNAMED:
         own = parameters.are([name]) & known
         if own.any():
-            unnamed[name] = gain_of(own, training.theta, validation, profile)
+            unnamed[name] = gain_of(own, training.theta, validation, profile, least)
     return Selection(gains, training, validation, unnamed, unsure, tuple(levels))
 
 
