@@ -82,12 +82,29 @@ def test_what_the_profile_lacks_is_named(fits, name):
 
 
 @pytest.mark.parametrize("fits", [2], indirect=True)
+def test_what_is_weak_is_named_whichever_half_trains(fits):
+    """A row noise that one half has by 5 standard errors, and the other by 2: trained
+    by the first, it gains 3 nats alone."""
+    first, second, truth = fits
+    at = first.parameters.of("row_noise")
+    lacks = truth.copy()
+    value, error = first.of("row_noise")
+    lacks[at] = value - 5 * error
+    one, other = (
+        selection(*halves, lacks, LEAST).gains["row_noise"]
+        for halves in ((first, second), (second, first))
+    )
+    assert one == pytest.approx(other, abs=0.01)
+    assert one > 2 * LEAST
+
+
+@pytest.mark.parametrize("fits", [2], indirect=True)
 @pytest.mark.parametrize(
     ("stated", "spots", "names"),
-    [(0.5, 0.0, {"prnu"}), (0.5, 1.0, set()), (0.0, 1.0, {"prnu"})],
+    [(0.4, 0.0, {"prnu"}), (0.4, 1.0, set()), (0.0, 1.0, {"prnu"})],
 )
 def test_spots_may_be_in_the_sensitivity_of_a_profile(fits, stated, spots, names):
-    """A profile whose pixels have half of their variance, of frames whose spots have as
+    """A profile whose pixels have 0.4 of their variance, of frames whose spots have as
     much as all others; not in that of one that states none."""
     first, second, truth = fits
     at = first.parameters.of("prnu")

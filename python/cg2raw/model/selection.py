@@ -4,9 +4,11 @@
 
 All is fitted on training frames. On validation frames, a name gains the log-likelihood
 with its parameters as trained and all others fitted anew, less the same with its
-parameters as the profile has them. Source: L. Wasserman, A. Ramdas, S. Balakrishnan,
-PNAS 117(29), 2020 (split likelihood-ratio test)."""
+parameters as the profile has them. What is weak is tried the other way round as well,
+and the mean of the two likelihood ratios counts. Source: L. Wasserman, A. Ramdas, S.
+Balakrishnan, PNAS 117(29), 2020 (split and crossfit likelihood-ratio tests)."""
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
@@ -47,6 +49,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
 }
 # A covariance, which no profile states: without the one of its effects it is none.
 BOTH = "dsnu and dark current"
+MEAN = math.log(2)  # nats that the mean of two likelihood ratios has less than both
 LEAST_SHAPE = 1e-12  # DN^2, or relative: of a stated shape that is none
 # Components that no effect has: where structure is that nothing explains.
 UNNAMED = ("column_noise", "row_fixed_pattern", "columns of light", "rows of light")
@@ -118,10 +121,12 @@ def selection(
         elif name in allowed:
             size = max(allowed[name], LEAST_SHAPE)
             prior = Prior(at, profile[at], size**2 * np.eye(len(at)))
-        trained = training.theta
-        if name in LOGARITHMS:
-            trained = _in_common(trained, own, profile)
-        gains[name] = gain_of(own, trained, validation, profile, least, prior)
+        of_name = own, profile, least, prior, name in LOGARITHMS
+        there, back = _gained(training, validation, *of_name), -np.inf
+        is_weak = there - MEAN <= least and (prior is None or name in allowed)
+        if is_weak and _may_gain(training, own, profile, least):
+            back = _gained(validation, training, *of_name)
+        gains[name] = float(np.logaddexp(there, back)) - MEAN
     levels = {name: places[name] for name in LEVELS if name in places}
     pair = training, validation
     if "black_level_drift" not in levels and together is not None:
@@ -169,6 +174,28 @@ def selection(
         if own.any():
             unnamed[name] = gain_of(own, training.theta, validation, profile, least)
     return Selection(gains, training, validation, unnamed, unsure, tuple(levels))
+
+
+def _gained(
+    first: Fit,
+    second: Fit,
+    own: NDArray[np.bool_],
+    profile: Array,
+    least: float,
+    prior: Prior | None,
+    is_one: bool,
+) -> float:
+    """Return the nats of parameters @own, (n,), of the second fit's frames as the first
+    has them. prior : as of gain_of. is_one : whether they are one number."""
+    trained = _in_common(first.theta, own, profile) if is_one else first.theta
+    return gain_of(own, trained, second, profile, least, prior)
+
+
+def _may_gain(fit: Fit, own: NDArray[np.bool_], profile: Array, least: float) -> bool:
+    """Return whether parameters @own, (n,), are as far from a profile's as half the
+    nats that a name needs."""
+    away = (fit.theta - profile)[own]
+    return bool(away @ np.linalg.solve(fit.covariance[np.ix_(own, own)], away) > least)
 
 
 def _in_common(theta: Array, own: NDArray[np.bool_], profile: Array) -> Array:
