@@ -4,9 +4,10 @@
 
 All is fitted on training frames. On validation frames, a name gains the log-likelihood
 with its parameters as trained and all others fitted anew, less the same with its
-parameters as the profile has them. What is weak is tried the other way round as well,
-and the mean of the two likelihood ratios counts. Source: L. Wasserman, A. Ramdas, S.
-Balakrishnan, PNAS 117(29), 2020 (split and crossfit likelihood-ratio tests)."""
+parameters as the profile has them. Of one that gains too little, but something, the
+other way round is tried as well, and the mean of both likelihood ratios counts. Source:
+L. Wasserman, A. Ramdas, S. Balakrishnan, PNAS 117(29), 2020 (split and crossfit
+likelihood-ratio tests)."""
 
 import math
 from collections.abc import Collection, Mapping
@@ -123,7 +124,7 @@ def selection(
             prior = Prior(at, profile[at], size**2 * np.eye(len(at)))
         of_name = own, profile, least, prior, name in LOGARITHMS
         there, back = _gained(training, validation, *of_name), -np.inf
-        is_weak = there - MEAN <= least and (prior is None or name in allowed)
+        is_weak = 0 < there <= least + MEAN and (prior is None or name in allowed)
         if is_weak and _may_gain(training, own, profile, least):
             back = _gained(validation, training, *of_name)
         gains[name] = float(np.logaddexp(there, back)) - MEAN
