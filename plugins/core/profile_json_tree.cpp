@@ -265,7 +265,7 @@ void JsonTree::write(std::string& out, Layout layout, std::size_t depth) const
     std::visit(
         [&](const auto& value) {
             using T = std::decay_t<decltype(value)>;
-            if constexpr (std::is_same_v<T, std::monostate>)
+            if constexpr (std::is_same_v<T, Null>)
                 out += "null";
             else if constexpr (!std::is_same_v<T, Array> && !std::is_same_v<T, Object>)
                 out += scalar(value, is_shown);

@@ -21,6 +21,13 @@ class JsonTree {
 public:
     using Array = std::vector<JsonTree>;
     using Object = std::vector<std::pair<std::string, JsonTree>>; ///< in their order
+    /// What is copied by its own function makes a variant one whose copy may fail, as
+    /// it may without memory: libstdc++ 12 destroys what it has not made of others.
+    struct Null {
+        Null() = default;
+        Null(const Null&) noexcept { }
+        Null& operator=(const Null&) noexcept { return *this; }
+    };
 
     JsonTree() = default; ///< null
     JsonTree(bool value);
@@ -44,15 +51,13 @@ public:
     }
     JsonTree(const std::map<std::string, double>& values);
 
-    /// Without members. (A list of them as an argument is not for us: where the memory
-    /// of one ends, gcc 12 destroys some that were never made.)
-    static JsonTree object();
+    static JsonTree object(); ///< without members
     /// It with one more member, an object.
     JsonTree with(std::string_view name, JsonTree value) &&;
     /// Throws Error that says what is wrong and where.
     static JsonTree parse(std::string_view text);
 
-    bool is_null() const { return is<std::monostate>(); }
+    bool is_null() const { return is<Null>(); }
     bool is_number() const;
     bool is_string() const { return is<std::string>(); }
     bool is_array() const { return is<Array>(); }
@@ -87,8 +92,8 @@ private:
     template <class T> const T& get() const;
     void write(std::string& out, Layout layout, std::size_t depth) const;
 
-    std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string,
-                 Array, Object>
+    std::variant<Null, bool, std::int64_t, std::uint64_t, double, std::string, Array,
+                 Object>
         m_value;
 };
 

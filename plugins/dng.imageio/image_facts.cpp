@@ -40,16 +40,16 @@ std::optional<Metadata::Value> stated(const ParamValue& attribute)
         return attribute.get_string();
     if (type == OIIO::TypeTimeCode) {
         const auto* const packed = static_cast<const std::uint32_t*>(attribute.data());
-        return std::vector<double> { double(packed[0]), double(packed[1]) };
+        return Metadata::Numbers { { double(packed[0]), double(packed[1]) } };
     }
     const std::size_t count = type.basevalues() * std::size_t(attribute.nvalues());
     if (count == 0 || count > most_numbers || type.basetype == TypeDesc::PTR)
         return std::nullopt;
-    std::vector<double> numbers;
+    Metadata::Numbers numbers;
     for (int i = 0; i < int(count); ++i) // OpenImageIO 2.4 makes no float of an int
-        numbers.push_back(type.is_floating_point()
-                              ? double(attribute.get_float_indexed(i))
-                              : double(attribute.get_int_indexed(i)));
+        numbers.values.push_back(type.is_floating_point()
+                                     ? double(attribute.get_float_indexed(i))
+                                     : double(attribute.get_int_indexed(i)));
     return numbers;
 }
 
@@ -133,10 +133,8 @@ ImageFacts image_facts(const ImageSpec& spec, const std::string& name)
     // which a DPX has 10 or 12.
     const bool is_wish = levels_of(part.samples) == 0;
     const int bits = is_wish ? spec.get_int_attribute("oiio:BitsPerSample", 0) : 0;
-    std::vector<ImagePart> parts; // moved: GCC 12 frees too much where a copy fails
-    parts.push_back(std::move(part));
-    return { std::move(parts), "", final_name(name), std::nullopt, bits,
-             OIIO_VERSION,     {} };
+    return { { std::move(part) }, "", final_name(name), std::nullopt, bits,
+             OIIO_VERSION,        {} };
 }
 
 ExportOptions attribute_options(const ImageSpec& spec)

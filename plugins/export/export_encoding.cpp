@@ -28,11 +28,11 @@ void require_rec709_primaries(const Given& given, const ImagePart& part,
                               const std::string& space)
 {
     const Metadata::Value* const said = part.metadata.find("chromaticities");
-    const auto* const numbers = said ? std::get_if<std::vector<double>>(said) : nullptr;
+    const auto* const numbers = said ? std::get_if<Metadata::Numbers>(said) : nullptr;
     std::array<double, 8> chromaticities {};
-    if (!numbers || numbers->size() != chromaticities.size())
+    if (!numbers || numbers->values.size() != chromaticities.size())
         return;
-    std::copy(numbers->begin(), numbers->end(), chromaticities.begin());
+    std::copy(numbers->values.begin(), numbers->values.end(), chromaticities.begin());
     if (!is_rec709_primaries(chromaticities)) // what a config says costs time
         cg2raw::require_rec709_primaries(chromaticities, space,
                                          given.facts.openimageio_version,

@@ -28,7 +28,7 @@ std::string Metadata::text(std::string_view name) const
     if (const auto* text = std::get_if<std::string>(value))
         return *text;
     std::vector<std::string> numbers;
-    for (const double one : std::get<std::vector<double>>(*value))
+    for (const double one : std::get<Numbers>(*value).values)
         numbers.push_back(cg2raw::number(one));
     return joined(numbers);
 }
@@ -50,7 +50,7 @@ double Metadata::number(std::string_view name) const
         const double number = number_or_fraction(*text);
         return std::isfinite(number) ? number : 0.0;
     }
-    const auto& numbers = std::get<std::vector<double>>(*value);
+    const auto& numbers = std::get<Numbers>(*value).values;
     return numbers.size() == 1 ? numbers[0] : 0.0;
 }
 

@@ -51,10 +51,10 @@ std::optional<TimeCode> stated_code(const Metadata& metadata,
     const Metadata::Value* const said = metadata.find(time_code_name);
     if (!said)
         return std::nullopt;
-    if (const auto* packed = std::get_if<std::vector<double>>(said))
-        return packed->empty()
+    if (const auto* packed = std::get_if<Metadata::Numbers>(said))
+        return packed->values.empty()
             ? std::nullopt
-            : time_code_from_packed(std::uint32_t(packed->front()), rate);
+            : time_code_from_packed(std::uint32_t(packed->values.front()), rate);
     try {
         return time_code_from_text(std::get<std::string>(*said));
     } catch (const Error&) {

@@ -13,7 +13,7 @@
 namespace cg2raw::python {
 namespace {
 
-using Stated = std::map<std::string, Metadata::Value>;
+using Stated = std::map<std::string, std::variant<std::string, std::vector<double>>>;
 /// Of one image of a file: its name, channels, type of samples, whether it is flat, and
 /// what it states.
 using Part
@@ -34,8 +34,13 @@ ImageFacts facts(const std::vector<Part>& parts, std::string input_name,
                        {} };
     for (const auto& [name, channels, samples, is_flat, stated] : parts) {
         facts.parts.push_back({ { name, channels }, samples, is_flat });
+        Metadata& metadata = facts.parts.back().metadata;
         for (const auto& [key, value] : stated)
-            facts.parts.back().metadata.add(key, value);
+            if (const auto* text = std::get_if<std::string>(&value))
+                metadata.add(key, *text);
+            else
+                metadata.add(
+                    key, Metadata::Numbers { std::get<std::vector<double>>(value) });
     }
     if (facts.parts.empty())
         throw Error("an image has one part or more");

@@ -21,7 +21,16 @@ namespace cg2raw {
 /// packed time code its two words. Upper and lower case are alike.
 class Metadata {
 public:
-    using Value = std::variant<std::string, std::vector<double>>;
+    /// Of a type of their own, for libstdc++ 12: of a variant of texts and vectors it
+    /// destroys what it has not made where memory for a copy is refused.
+    struct Numbers {
+        Numbers(std::vector<double> numbers = {})
+            : values(std::move(numbers))
+        {
+        }
+        std::vector<double> values;
+    };
+    using Value = std::variant<std::string, Numbers>;
 
     /// Of two of one name the first counts.
     void add(std::string_view name, Value value);
