@@ -22,11 +22,23 @@ SYNTHETIC = [suite for suite in frozen.SIZES if suite != "real"]
 SEALS = json.loads(frozen.SEALS.read_text())
 
 
+def check_alike(said, drawn):
+    """Strengths may differ in their last digit: numpy's exp does from processor to
+    processor (with AVX-512, without)."""
+    each = [
+        [replace(case, strengths=dict.fromkeys(case.strengths)) for case in cases]
+        for cases in (said, drawn)
+    ]
+    assert each[0] == each[1]
+    for one, other in zip(said, drawn, strict=True):
+        assert one.strengths == pytest.approx(other.strengths, rel=1e-12)
+
+
 @pytest.mark.parametrize("suite", SYNTHETIC)
 def test_a_file_says_what_the_generator_draws(suite):
     said = frozen.frozen(suite)
     assert len(said) == frozen.SIZES[suite]
-    assert said == frozen.drawn(suite)
+    check_alike(said, frozen.drawn(suite))
     lines = (frozen.FOLDER / f"{suite}.csv").read_text().splitlines()[1:]
     assert lines == [",".join(frozen.row(case).values()) for case in said]
 
@@ -35,7 +47,8 @@ def test_a_file_says_what_the_generator_draws(suite):
 def test_the_file_of_real_frames_says_what_is_planted():
     path = manifest("ccd", Path(os.environ[VARIABLE]))
     said = frozen.frozen("real", path)
-    assert len(said) == 100 and said == frozen.drawn("real", path)
+    assert len(said) == 100
+    check_alike(said, frozen.drawn("real", path))
 
 
 @pytest.mark.parametrize("suite", SYNTHETIC)
