@@ -36,11 +36,8 @@ ImageFacts facts(const std::vector<Part>& parts, std::string input_name,
         facts.parts.push_back({ { name, channels }, samples, is_flat });
         Metadata& metadata = facts.parts.back().metadata;
         for (const auto& [key, value] : stated)
-            if (const auto* text = std::get_if<std::string>(&value))
-                metadata.add(key, *text);
-            else
-                metadata.add(
-                    key, Metadata::Numbers { std::get<std::vector<double>>(value) });
+            std::visit([&, &key = key](const auto& one) { metadata.add(key, one); },
+                       value);
     }
     if (facts.parts.empty())
         throw Error("an image has one part or more");

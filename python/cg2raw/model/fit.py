@@ -299,7 +299,7 @@ def start_of(
         if parameters.sites == 1 and component.name.startswith("color_shading"):
             free[at] = False
     free[parameters.of("dark_current")] = has_times
-    if first.frames[darks].sum() < 3:  # of two times, it cannot be told from read noise
+    if first.frames[darks].sum() < 3:  # two times: read noise would look the same
         free[parameters.of("dsnu and dark current")] = False
     rest = int(darks.sum()) - likelihood.levels.parameters_of_means
     free[parameters.of("black_level_drift")] = (darks & first.repeats).any() or rest > 0

@@ -209,9 +209,10 @@ def flat_levels(
     site = np.repeat(np.arange(count), len(groups))
     flat = np.tile(np.arange(len(groups)), count)
     of_site, one_light = 1 / light_of.ravel(), np.equal.outer(flat, flat)
-    covariance += np.outer(of_site, of_site) * blacks[np.ix_(site, site)]
+    of_sites = np.outer(of_site, of_site)
+    covariance += of_sites * blacks[np.ix_(site, site)]
     drift = max(float(found.theta[found.parameters.of("black_level_drift")]), 0.0)
-    covariance += np.outer(of_site, of_site) * one_light * drift / frames[flat]
+    covariance += of_sites * one_light * drift / frames[flat]
     # The mean of the pixels' sensitivity is not quite 1.
     prnu = max(float(found.theta[found.parameters.of("prnu")]), 0.0)
     one_site = np.equal.outer(site, site)

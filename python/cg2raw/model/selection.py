@@ -122,11 +122,14 @@ def selection(
         elif name in allowed:
             size = max(allowed[name], LEAST_SHAPE)
             prior = Prior(at, profile[at], size**2 * np.eye(len(at)))
-        of_name = own, profile, least, prior, name in LOGARITHMS
-        there, back = _gained(training, validation, *of_name), -np.inf
+        values = [fit.theta for fit in (training, validation)]
+        if name in LOGARITHMS:
+            values = [_in_common(theta, own, profile) for theta in values]
+        there = gain_of(own, values[0], validation, profile, least, prior)
+        back = -np.inf
         is_weak = 0 < there <= least + MEAN and (prior is None or name in allowed)
         if is_weak and _may_gain(training, own, profile, least):
-            back = _gained(validation, training, *of_name)
+            back = gain_of(own, values[1], training, profile, least, prior)
         gains[name] = float(np.logaddexp(there, back)) - MEAN
     levels = {name: places[name] for name in LEVELS if name in places}
     pair = training, validation
@@ -175,21 +178,6 @@ def selection(
         if own.any():
             unnamed[name] = gain_of(own, training.theta, validation, profile, least)
     return Selection(gains, training, validation, unnamed, unsure, tuple(levels))
-
-
-def _gained(
-    first: Fit,
-    second: Fit,
-    own: NDArray[np.bool_],
-    profile: Array,
-    least: float,
-    prior: Prior | None,
-    is_one: bool,
-) -> float:
-    """Return the nats of parameters @own, (n,), of the second fit's frames as the first
-    has them. prior : as of gain_of. is_one : whether they are one number."""
-    trained = _in_common(first.theta, own, profile) if is_one else first.theta
-    return gain_of(own, trained, second, profile, least, prior)
 
 
 def _may_gain(fit: Fit, own: NDArray[np.bool_], profile: Array, least: float) -> bool:

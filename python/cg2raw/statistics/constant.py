@@ -255,22 +255,19 @@ class ConstantStatistics:
         """(G,) of each group."""
         return np.array([group.split for group in self.groups], str)
 
-    def shortest_darks(self, split: str | None = None) -> NDArray[np.intp]:
-        """Return the numbers of darks that repeat each other, of the shortest exposure
-        time that does. split : of whose groups; None for all."""
+    def darks_by_time(self, split: str | None = None) -> list[NDArray[np.intp]]:
+        """Return the numbers of darks that repeat each other, of each exposure time,
+        the shortest first. split : of whose groups; None for all."""
         used = ~self.is_flat & (self.pairs > 0)
         if split is not None:
             used &= self.splits == split
         darks = np.flatnonzero(used)
         times = np.array([self.groups[n].exposure_time or 0.0 for n in darks], float)
-        found: NDArray[np.intp] = darks[times == times.min(initial=np.inf)]
-        return found
-
-    def darks_by_time(self) -> list[NDArray[np.intp]]:
-        """Return the numbers of darks that repeat each other, of each exposure time."""
-        darks = np.flatnonzero(~self.is_flat & (self.pairs > 0))
-        times = np.array([self.groups[n].exposure_time or 0.0 for n in darks], float)
         return [darks[times == time] for time in np.unique(times)]
+
+    def shortest_darks(self, split: str | None = None) -> NDArray[np.intp]:
+        """Return those of the shortest exposure time, none without any."""
+        return next(iter(self.darks_by_time(split)), np.zeros(0, np.intp))
 
     def masked(self, shape: tuple[int, int]) -> NDArray[np.bool_]:
         """Return (H, W), which samples are masked, of frames of a shape, whose last
