@@ -29,6 +29,7 @@ SETTLED = 0.05  # standard errors that nothing moves any more
 UNSETTLED = 3.0  # likewise: of a fit that does not settle
 SAME_LIGHT = 0.05  # relative: flats whose levels differ by less are of one light
 DONE = 1e-5  # nats that a round would gain: 1/200 of a standard error
+GAIN_DONE = 1e-3  # likewise, where only the value is asked for
 # Of a parameter's own information that the others leave: below, it is not known.
 UNKNOWN = 1e-10
 KNOWN = 1e-6  # likewise: far above, all are known
@@ -173,8 +174,11 @@ def refitted(
     theta: Array,
     free: NDArray[np.bool_],
     prior: Prior | None = None,
+    done: float = DONE,
 ) -> Fit:
-    """Return the fit that scoring finds from a start; what is not free stays."""
+    """Return the fit that scoring finds from a start; what is not free stays.
+
+    done : nats that a round would gain, below which there is none."""
 
     def evaluated(theta: Array) -> Evaluation:
         found = likelihood(theta)
@@ -192,7 +196,7 @@ def refitted(
         curvature = _curvature(found.information, seen)
         step = _step(found.score, curvature, theta, free, bounded)
         rise = step @ found.score / 2
-        if rise < DONE:
+        if rise < done:
             break
         for halving in range(HALVINGS):
             trial = theta + step / 2**halving
@@ -434,11 +438,16 @@ def gain_of(
 
     def values(start: Array) -> list[float]:
         sides = (profile, let, prior), (trained, free, None)
-        fits = (
-            refitted(validation.likelihood, np.where(own, pinned, start), let, about)
+        return [
+            refitted(
+                validation.likelihood,
+                np.where(own, pinned, start),
+                let,
+                about,
+                GAIN_DONE,
+            ).value
             for pinned, let, about in sides
-        )
-        return [found.value for found in fits]
+        ]
 
     null, found = values(validation.theta)
     if found - null > least and validation.likelihood.is_coarse:

@@ -69,7 +69,7 @@ def leaf(rng: Generator, image: Plane) -> None:
     reach = int(2 * size) + 1
     top, left = max(int(y) - reach, 0), max(int(x) - reach, 0)
     part = image[top : int(y) + reach, left : int(x) + reach]
-    rows, cols = np.mgrid[: part.shape[0], : part.shape[1]]
+    rows, cols = np.ogrid[: part.shape[0], : part.shape[1]]
     inside = np.hypot(rows + top - y, cols + left - x) < 1.9 * size
     for angle in rng.uniform(0, 2 * np.pi) + np.arange(rng.integers(3, 7)) * 1.3:
         side = (rows + top - y) * np.sin(angle) + (cols + left - x) * np.cos(angle)
@@ -111,7 +111,7 @@ def slope(rng: Generator, shape: tuple[int, int]) -> Plane:
 def lamps(rng: Generator, image: Plane) -> None:
     """Put small bright discs somewhere."""
     height, width = image.shape[:2]
-    rows, cols = np.mgrid[:height, :width]
+    rows, cols = np.ogrid[:height, :width]
     for _ in range(rng.integers(1, 5)):
         radius = rng.uniform(1.5, height / 20)
         y, x = rng.uniform(0, height), rng.uniform(0, width)

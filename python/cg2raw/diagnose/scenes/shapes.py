@@ -19,6 +19,7 @@ from cg2raw.diagnose.scenes.point import Point
 
 BRIGHT_ENOUGH = 0.25  # of white, from which on wells are looked for
 FAR_BELOW = 4.0  # standard deviations, of samples that a well cuts
+NEAR = 8.0  # likewise; a sample farther below a well gains less than 1e-14
 LEAST_PILE = 4  # samples of training frames that say where it is
 PILES = 40  # piles that are compared before the best is made finer
 LEAST_LOG = -20.0  # of a sample: one that is broken decides nothing
@@ -81,6 +82,9 @@ def _bright(points: Sequence[Point]) -> tuple[Array, ...]:
 def _gain(samples: tuple[Array, ...], level: float) -> float:
     """Return nats that samples gain by a full well at a level."""
     y, x, s2, rest, at_white = samples
+    likeliest = np.maximum(x, (x * rest + y * s2) / (s2 + rest))
+    near = (likeliest > level - NEAR * np.sqrt(s2)) | (at_white > 0)
+    y, x, s2, rest, at_white = (one[near] for one in samples)
     both = s2 + rest
     plain = -0.5 * (y - x) ** 2 / both - 0.5 * np.log(both)
     split = np.sqrt(s2 * rest / both)
