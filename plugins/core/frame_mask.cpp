@@ -195,8 +195,15 @@ PlaneMask mask_of(const PlaneParts& plane, std::uint8_t* marked, int pitch)
         }
     const double left = 1.0 - double(mask.samples.size()) / plane.samples();
     mask.freedom = plane.freedom();
+    const double field = (height - 1.0) * (width - 1.0) - mask.freedom.back();
     for (double& part : mask.freedom)
         part *= left; // what is filled in has no noise, in any part
+    // Of pixels, the means of lines that are left take theirs.
+    const auto rows = double(std::count(mask.rows.begin(), mask.rows.end(), 0));
+    const auto columns = double(std::count(mask.columns.begin(), mask.columns.end(), 0));
+    const double in_lines = std::max(rows * columns / plane.samples(), 1e-300);
+    const double pixels = (rows - 1.0) * (columns - 1.0) - field * in_lines;
+    mask.freedom.back() = std::max(pixels, 0.0) * left / in_lines;
     return mask;
 }
 

@@ -92,6 +92,10 @@ def plane_statistics(groups, white, excluded):
     h, w = groups[0].shape[1:]
     mask = outliers(groups, excluded)
     freedom = freedoms(h, w) * (1 - mask.mean())
+    rows, columns = (np.count_nonzero(~mask.all(axis=axis)) for axis in (1, 0))
+    lines = rows * columns / (h * w)
+    field = (h - 1) * (w - 1) - freedoms(h, w)[-1]
+    freedom[-1] = ((rows - 1) * (columns - 1) / lines - field) * (1 - mask.mean())
     top = int(max(frames.max() for frames in groups)) + 1
     counted = [frames[:, ~excluded].ravel().astype(int) for frames in groups]
     codes = np.array([np.bincount(one, minlength=top) for one in counted])

@@ -358,6 +358,29 @@ def test_white_noise_is_alike_in_all_parts(part):
     assert plane.power[0] == pytest.approx(25 + 1 / 12, rel=0.06)
 
 
+@pytest.mark.parametrize("rows", [slice(10), slice(7, 17)])
+def test_mean_images_have_the_noise_of_copied_lines(rows):
+    """A band of 24 rows is masked: of each part, and of the level, squares of white
+    noise of 25 DN^2 as predicted."""
+    rng, masked = np.random.default_rng(5), np.zeros((24, 32), bool)
+    masked[rows] = True
+    found, levels, count = [], [], 300
+    for _ in range(count):
+        frame = np.rint(200 + 5 * rng.standard_normal(masked.shape)).astype(np.uint16)
+        (plane,) = measured(groups_of([frame]), 1, excluded=masked).planes
+        squares = plane.products[:, 0, 0] / plane.count / plane.mean_noise
+        squares[-1] = plane.products[-1, 0, 0] / plane.freedom[-1]
+        found.append(squares / (25 + 1 / 12))
+        levels.append(plane.level[0])
+    part = [PARTS.index(name) for name in ("smooth_rows", "slow_rows", "fast_rows")]
+    within = 4 * np.std(found, axis=0) / np.sqrt(count)
+    for at in (*part, PARTS.index("fast_columns"), len(PARTS) - 1):
+        mean = np.mean(found, axis=0)[at]
+        assert mean == pytest.approx(1, abs=within[at]), PARTS[at]
+    level = (25 + 1 / 12) * plane.copies.level / masked.size
+    assert np.var(levels) == pytest.approx(level, rel=4 * np.sqrt(2 / count))
+
+
 def test_parts_add_up():
     """By Parseval, the parts' squares are those of the samples."""
     frames = drawn((61, 47), 4)

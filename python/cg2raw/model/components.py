@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from cg2raw.statistics.constant import PARTS, Array
+from cg2raw.statistics.constant import PARTS, Array, PlaneStatistics
 
 Signature = Literal["constant", "time", "light", "constant and time"]
 
@@ -54,6 +54,16 @@ class Component:
         if self.per == "sample":
             return self.parts
         return self.parts * np.where(ROWS > 0, width, height)
+
+    def in_means(self, plane: PlaneStatistics) -> Array:
+        """Return (8,) what a coefficient of mean images has of it, in units of what it
+        has of the noise of a sample. Copies of lines have lines' own, and are nearly
+        what a shape is."""
+        if self.parts.all():
+            return self.parts
+        of_lines = plane.copies.noise if self.per == "line" else 1.0
+        many = self.multiplicity(*plane.shape) * of_lines
+        return np.asarray(many / plane.mean_noise)
 
     def shared(self, side: int) -> Array:
         """Return (P, P) 1 where two of side x side planes have the same of it."""

@@ -100,7 +100,8 @@ class MeanImageLikelihood:
         ]
         self.blocks = []
         for part, sites in chosen:
-            freedom = float(np.mean([planes[s].plane.freedom[part] for s in sites]))
+            each = [planes[site].plane for site in sites]
+            freedom = float(np.mean([plane.freedom_of_means[part] for plane in each]))
             if freedom <= 0:
                 continue
             freedom_left = freedom * self._unlike(part)
@@ -108,7 +109,8 @@ class MeanImageLikelihood:
                 products = planes[sites[0]].products[PIXEL]
             else:
                 stacked = np.concatenate([coefficients[s][part] for s in sites])
-                products = stacked @ stacked.T / freedom * self._left(part, sites) ** 2
+                noises = [plane.count[part] * plane.mean_noise[part] for plane in each]
+                products = stacked @ stacked.T / np.mean(noises)
             self.blocks.append(self._block(part, sites, freedom_left, products))
 
     def _unlike(self, part: int) -> float:
@@ -121,10 +123,6 @@ class MeanImageLikelihood:
             for of in (part, PIXEL)
         )
         return less_of(size, pixel, waves(first.plane, part, True))
-
-    def _left(self, part: int, sites: Sequence[int]) -> float:
-        each = [self.planes[site].plane.left_in(part) for site in sites]
-        return float(np.mean(each))
 
     def _block(
         self, part: int, sites: Sequence[int], freedom: float, products: Array
@@ -167,9 +165,7 @@ class MeanImageLikelihood:
     def _term(self, component: Component, part: int, sites: Sequence[int]) -> Array:
         """Return (N, N), what one unit of a component adds to the covariance."""
         first = self.planes[0]
-        of_part = float(component.multiplicity(*first.plane.shape)[part])
-        if part != PIXEL and not component.parts.all():  # structure has no noise
-            of_part *= self._left(part, sites)
+        each = [component.in_means(self.planes[s].plane)[part] for s in sites]
         vectors = [self.planes[site].vectors(component) for site in sites]
         one, two = (np.concatenate([v[at] for v in vectors]) for at in (0, -1))
         signature = np.outer(one, two)
@@ -177,7 +173,8 @@ class MeanImageLikelihood:
             signature += signature.T
         alike = component.shared(first.side)[np.ix_(sites, sites)]
         size = len(self.planes[0].frames)
-        return of_part * signature * np.repeat(np.repeat(alike, size, 0), size, 1)
+        alike = np.repeat(np.repeat(alike, size, 0), size, 1)
+        return float(np.mean(each)) * signature * alike
 
     def add_to(
         self,

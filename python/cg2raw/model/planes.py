@@ -268,7 +268,7 @@ class PlaneLikelihood:
         lines = self.scatter[:, list(FAST_LINES)].sum(axis=1) - 2 * pixel
         low = self.correlation[:, PARTS.index("field")]
         found = np.array([pixel * (1 + low), np.maximum(lines, 0)])
-        found /= max(self.plane.unmasked, 1)
+        found *= self.plane.copies.level / (self.plane.left * self.plane.masked.size)
         usual = self.measured & ~self.is_flat
         if usual.any():
             found[:, ~self.measured] = found[:, usual].mean(axis=1, keepdims=True)

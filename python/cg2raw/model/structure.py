@@ -59,7 +59,7 @@ def _in_plane(
         pixel = float((weights**2 * noises[:, PIXEL] / plane.frames).sum())
         pixel += _patterns_in(found, plane, part, wanted, "sample")
         chance = float(noise.sum()) + _patterns_in(found, plane, part, wanted)
-        chance /= plane.plane.left_in(part) ** 2
+        chance *= plane.plane.count[part] * plane.plane.mean_noise[part] / freedom
         size = freedom * float(weights @ plane.products[part] @ weights - chance)
         square += size
         # Of coefficients with their chance, which planes share but for the pixels', and
@@ -88,8 +88,7 @@ def _patterns_in(
     """Return what patterns of pixels and lines, or of one of both, are in a coefficient
     of a low part."""
     each = [
-        found.theta[found.parameters.of(c.name)]
-        * c.multiplicity(*plane.plane.shape)[part]
+        found.theta[found.parameters.of(c.name)] * c.in_means(plane.plane)[part]
         for c in PATTERNS
         if c.signature == signature and c.per in (per or c.per,)
     ]

@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cache, cached_property
 from io import BytesIO
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 from zipfile import BadZipFile
 
 import numpy as np
@@ -151,16 +151,32 @@ class PlaneStatistics:
     def left_in(self, part: int) -> float:
         """Return the share of what a coefficient of one of PARTS is of: means of lines
         lack the samples in masked lines that run across them, too."""
-        axis = {"rows": 0, "columns": 1}.get(PARTS[part].rpartition("_")[2])
-        if axis is None:
-            return self.left
-        return self.left * self.open_lines[axis]
+        axis = {"rows": 1, "columns": 0}.get(PARTS[part].rpartition("_")[2])
+        return self.left * (1.0 if axis is None else self.copies.open_lines[axis])
 
     @cached_property
-    def open_lines(self) -> tuple[float, float]:
-        """The shares of columns, and of rows, that are not masked as a whole."""
-        columns, rows = (1 - float(self.masked.all(axis=n).mean()) for n in (0, 1))
-        return columns, rows
+    def copies(self) -> "Copies":
+        """What masked lines are in mean images."""
+        return Copies.of(*(np.asarray(self.masked.all(axis=n)) for n in (1, 0)))
+
+    @cached_property
+    def count(self) -> Array:
+        """(8,) coefficients of each part."""
+        return np.asarray(self.freedom * self.masked.size / max(self.unmasked, 1))
+
+    @cached_property
+    def freedom_of_means(self) -> Array:
+        """(8,) degrees of freedom of coefficients of mean images."""
+        found = self.count * self.left * self.copies.freedom
+        found[PIXEL] = self.freedom[PIXEL]
+        return np.asarray(found)
+
+    @cached_property
+    def mean_noise(self) -> Array:
+        """(8,) how many times a sample's noise coefficients of mean images have."""
+        found = self.copies.noise / [self.left_in(part) for part in range(len(PARTS))]
+        found[PIXEL] = 1.0
+        return np.asarray(found)
 
     def smooth(self, number: int) -> Array:
         """Return (h, w) DN, what all parts but pixel say of a group's mean image:
@@ -254,6 +270,12 @@ class ConstantStatistics:
     def splits(self) -> NDArray[np.str_]:
         """(G,) of each group."""
         return np.array([group.split for group in self.groups], str)
+
+    @cached_property
+    def dark_codes(self) -> int:
+        """How many codes darks have."""
+        darks = [plane.codes[~self.is_flat].sum(axis=0) for plane in self.planes]
+        return int(np.count_nonzero(sum(darks)))
 
     def darks_by_time(self, split: str | None = None) -> list[NDArray[np.intp]]:
         """Return the numbers of darks that repeat each other, of each exposure time,
@@ -541,3 +563,58 @@ def of_profiles(profiles: Array, low: Array) -> tuple[Array, Array, Array]:
     smooth = found[:, :SMOOTH] @ found[:, :SMOOTH].T
     slow = found[:, SMOOTH:] @ found[:, SMOOTH:].T
     return smooth, slow, profiles @ profiles.T - smooth - slow
+
+
+class Copies(NamedTuple):
+    """Of mean images, whose masked lines are copies of the nearest that is not masked,
+    the first of two: by how much noise of the parts grows, (8,), and the share of their
+    freedom that is left, (8,), both 1 without; by how much that of the level grows; the
+    shares of rows and of columns that are no copies. Fields go on over masked lines."""
+
+    noise: Array
+    freedom: Array
+    level: float
+    open_lines: tuple[float, float]
+
+    @classmethod
+    def of(cls, rows: NDArray[np.bool_], columns: NDArray[np.bool_]) -> "Copies":
+        """Return those of a plane. rows, columns : which are masked."""
+        down, across = _copied(rows), _copied(columns)
+        each = {f"{part}_rows": sums for part, sums in down.items()}
+        each |= {f"{part}_columns": sums for part, sums in across.items()}
+        open_lines = float(1 - rows.mean()), float(1 - columns.mean())
+        others = np.array([1.0, 1.0 / math.prod(open_lines), 1.0])
+        sums = np.array([each.get(part, others) for part in PARTS])
+        trace, squares, count = np.where(sums[:, 2:], sums, 1.0).T
+        level = float((down["level"] * across["level"])[0])
+        return cls(trace / count, trace**2 / squares / count, level, open_lines)
+
+
+def _copied(masked: NDArray[np.bool_]) -> dict[str, Array]:
+    """Return (3,) of coefficients of a profile: the trace of their covariance in units
+    of a line's noise, that of its square, and how many they are.
+
+    masked : (N,) which lines are copies."""
+    lines, low = np.arange(len(masked)), polynomials(len(masked))
+    others = np.flatnonzero(~masked)
+    after = np.searchsorted(others, lines).clip(max=len(others) - 1)
+    before = (after - 1).clip(min=0)
+    is_before = lines - others[before] <= others[after] - lines
+    nearest = others[np.where(is_before, before, after)]
+    times = np.bincount(nearest, minlength=len(masked))
+    summed = np.zeros_like(low)
+    np.add.at(summed.T, nearest, low.T)
+    whole = summed @ summed.T
+    parts = {
+        "level": slice(1),
+        "smooth": slice(1, SMOOTH + 1),
+        "slow": slice(SMOOTH + 1, None),
+    }
+    found = {}
+    for name, part in parts.items():
+        own = whole[part, part]
+        found[name] = np.array([own.trace(), (own**2).sum(), len(own)])
+    squares = (times**2).sum() - 2 * ((summed * times) * summed).sum()
+    fast = len(masked) - whole.trace(), squares + (whole**2).sum()
+    found["fast"] = np.array([*fast, len(masked) - len(low)])
+    return found
