@@ -10,6 +10,7 @@ import pytest
 import cg2raw
 from cg2raw.diagnose import diagnose, read_captures
 from cg2raw.diagnose.captures.capture import CaptureSet
+from cg2raw.diagnose.darks_and_flats import darks_and_flats
 from cg2raw.diagnose.effects.catalogue import candidates
 from diagnose.closed_loop import simulated
 from diagnose.planted import FULL_WELL, READ, listed, standard_set
@@ -105,6 +106,14 @@ def test_noise_that_is_cut_at_zero_hides_no_effect(white, noise, lights):
     assert effect.name == "column_fixed_pattern"
     assert effect.parameters["sigma"].value == pytest.approx(sigma, rel=0.15)
     assert found.gap.chi2_after == pytest.approx(1, abs=0.02)
+
+
+def test_darks_of_two_codes_tell_no_black_level():
+    """Noise of 0.3 DN without a pedestal: one share of darks, two unknowns."""
+    bare = sensor_of(black=0, white=4095, beta2=(0.3 / 4095) ** 2)
+    found = darks_and_flats(captures_of(bare, bare, ("dark", "flat"), (64, 96)))
+    assert (list(found.names), found.unexplained) == ([], [])
+    assert [note for note in found.notes if note.startswith("Darks have two codes")]
 
 
 @pytest.mark.parametrize("kinds", [KINDS, ("dark", "scene")])

@@ -190,6 +190,11 @@ def darks_and_flats(
             "frames has several explanations; take frames at a gain at which noise is "
             "half a code or more"
         )
+    if both.dark_codes == 2:
+        notes.append(
+            "Darks have two codes: the share of each tells noise or the black level, "
+            "which is taken from the profile; take darks at a higher gain."
+        )
     together = fit(both, profile)
     say("dropping each name", 0.75)
     white = sensor.signal_range

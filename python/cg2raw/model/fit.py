@@ -308,6 +308,10 @@ def start_of(
     rest = int(darks.sum()) - likelihood.levels.parameters_of_means
     free[parameters.of("black_level_drift")] = (darks & first.repeats).any() or rest > 0
     free[parameters.each("black_level")] = darks.any()
+    if profile is not None and likelihood.means.statistics.dark_codes <= 2:
+        # Of two codes there is one share: it tells the noise, or the level.
+        free[parameters.each("black_level")] = False
+        free[parameters.of("black_level_drift")] = False
     free[parameters.each("read_noise")] = is_told
     if profile is not None:
         theta = np.where(free, theta, profile)
@@ -429,7 +433,8 @@ def gain_of(
     least: float,
     prior: Prior | None = None,
 ) -> float:
-    """Return the nats of parameters @own, (n,), as trained over those of a profile.
+    """Return the nats of parameters @own, (n,), as trained over those of a profile; 0
+    where no start leads to frames that either allows.
 
     trained : (n,). least : nats that count. prior : of how far something else moves
     them from the profile's."""
@@ -454,4 +459,4 @@ def gain_of(
         # Few codes have several explanations: the likelier one of two starts counts.
         again = values(np.where(validation.known, profile, validation.theta))
         null, found = max(null, again[0]), max(found, again[1])
-    return found - null
+    return found - null if np.isfinite([null, found]).all() else 0.0
