@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,11 +18,14 @@ from conftest import *  # noqa: F403
 
 @pytest.fixture(scope="session")
 def world():
-    """Return the World of luxpy's data files if found, else the small one."""
+    """Return the World of luxpy's data files if found, else the small one, whose frames
+    have a quarter of the pixels."""
     from studies.places import luxpy_folder
+    from studies.protocol import PROTOCOL
     from studies.world.shots import load_world
 
-    return load_world(luxpy_folder())
+    scene = replace(PROTOCOL.scene, height=48, width=64)
+    return load_world(luxpy_folder(), replace(PROTOCOL, scene=scene))
 
 
 @pytest.fixture(scope="session")

@@ -126,7 +126,7 @@ def test_a_study_of_one_camera_leaves_a_panel_empty(entries, drawn_on):
 def test_figures_are_not_blank_and_the_same_bytes_twice(entries):
     lit = {"LED lamps": entries["illuminant"]}
     for make, found in (
-        (gap_bars.gap_bars, ({"isp": entries["isp"]},)),
+        (gap_bars.gap_bars, ({"illuminant": entries["illuminant"]},)),
         (errors_by_light.errors_by_light, (lit, {})),
     ):
         png = make(*found)
@@ -193,7 +193,7 @@ def test_scenes_are_as_the_camera_and_as_a_renderer_has_them(small, camera):
     assert list(found) == kinds
     for kind in ("day", "night"):
         seen, made = (np.array(found[f"{kind}: {by}"]) for by in ("camera", "render"))
-        assert seen.shape == made.shape == (4, 96, 128, 3)
+        assert seen.shape == made.shape == (4, 48, 64, 3)
         apart = np.abs(seen - made).mean(axis=(1, 2, 3))
         others = np.abs(seen - made[::-1]).mean(axis=(1, 2, 3))
         assert (2 * apart < others).all()
@@ -207,7 +207,7 @@ def test_examples_are_nearer_to_the_goal_than_their_input(small, camera):
     assert list(found.pictures) == [GOAL, INPUT, *SHOWN, "translation, camera"]
     mean = {name: values.mean() for name, values in found.differences.items()}
     assert GOAL not in mean and mean["real"] < 0.6 * mean[INPUT]
-    assert {p.shape for p in found.pictures.values()} == {(2, 96, 128, 3)}
+    assert {p.shape for p in found.pictures.values()} == {(2, 48, 64, 3)}
 
 
 def test_the_curve_of_each_training_is_drawn(tmp_path):
@@ -236,7 +236,7 @@ def test_denoised_pictures_at_night_are_nearer_to_the_goal(small, camera):
     assert list(pictures)[:3] == ["goal", "not denoised", "real"]
     assert "translation" not in pictures  # there is no translator
     shown = {name: np.array(each) for name, each in pictures.items()}
-    assert {each.shape for each in shown.values()} == {(4, 96, 128, 3)}
+    assert {each.shape for each in shown.values()} == {(4, 48, 64, 3)}
     goal = shown["goal"]
     assert np.array_equal(goal[:2], goal[2:])  # the same frames at two ISOs
     apart = {name: np.abs(each - goal).mean() for name, each in shown.items()}
@@ -250,7 +250,7 @@ def test_figures_are_of_the_studies_that_results_have(planted):
     found = {"isp": planted.summaries["isp"]}
     assert list(figures_of_results(found)) == ["gap"]
     lit = {"illuminant, LED lamps": planted.summaries["illuminant"]}
-    both = figures_of_results(planted.summaries | lit)
+    both = figures_of_results(found | lit)
     assert list(both) == ["gap", "illuminant"]
     assert figures_of_results({}) == {}
 

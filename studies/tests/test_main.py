@@ -117,10 +117,11 @@ def test_a_wrong_protocol_is_refused(before, after, tmp_path):
 
 @pytest.fixture
 def short(monkeypatch):
-    """A protocol of 4 frames, the least that have quarters."""
+    """A protocol of 4 small frames, the least that have quarters."""
     frames = {"quick": 4, "full": 4}
     protocol = replace(
         PROTOCOL,
+        scene=replace(PROTOCOL.scene, height=48, width=64),
         classical=replace(PROTOCOL.classical, frames=frames),
         colour=replace(PROTOCOL.colour, frames=frames),
     )

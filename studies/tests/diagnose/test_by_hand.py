@@ -79,6 +79,7 @@ def test_the_reference_has_all_figures_and_their_definitions():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(VARIABLE not in os.environ, reason=f"no {VARIABLE}: real frames")
 def test_the_reference_is_what_the_real_frames_give():
     found = by_hand.table(by_hand.Frames(ccd(Path(os.environ[VARIABLE]))))

@@ -11,7 +11,7 @@ from studies.sources import sets
 from studies.sources.renders import Renders
 from studies.world.shots import KINDS
 
-COUNT = 12
+COUNT = 6
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def test_all_sources_have_as_many_frames_of_one_size(world, camera):
     for name, make in sets.sources(found, camera, 0).items():
         made = make()
         assert len(made.images) == len(made.neutrals) == COUNT, name
-        assert {image.shape for image in made.images} == {(96, 128, 3)}, name
+        assert {image.shape for image in made.images} == {(48, 64, 3)}, name
         assert np.isfinite(np.stack(made.images)).all(), name
 
 
@@ -52,13 +52,13 @@ def test_renders_are_exposed_before_any_source_saturates(world, camera):
 
 
 def test_renders_of_a_folder_take_the_place_of_the_worlds(world, camera):
-    images = [np.full((100, 130, 3), level, np.float16) for level in (1.0, 4.0, 8.0)]
+    images = [np.full((50, 66, 3), level, np.float16) for level in (1.0, 4.0, 8.0)]
     seeds = world.protocol.seeds
-    given = Renders(images, (96, 128), "")
+    given = Renders(images, (48, 64), "")
     found = sets.material(world, camera, "night", seeds, 3, 0, rendered_images=given)
     own = material(world, camera, 0, "night")
     assert np.array_equal(found.captures.images[0], own.captures.images[0])
-    assert {image.shape for image in found.renders} == {(96, 128, 3)}
+    assert {image.shape for image in found.renders} == {(48, 64, 3)}
     assert np.ptp(np.stack(found.renders)) < 1e-6  # each at its own exposure
 
 

@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """The classical methods, and that the world is as hard to them as NUS is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -47,7 +49,7 @@ def test_the_world_is_as_hard_as_photographs(world, camera_of):
     Shades of grey's best quarter is 10.4 % too good: no setting tried mended that."""
     if luxpy_folder() is None:
         pytest.skip("the world is calibrated with IES TM-30's objects and lamps")
-    frames = RULES.frames["full"]
+    world, frames = replace(world, protocol=PROTOCOL), RULES.frames["full"]
     found = {name: classical(world, camera_of(name), frames) for name in NUS}
     together = over_cameras(
         {

@@ -56,7 +56,7 @@ def test_a_draw_has_all_sources_and_the_test_frames(world, camera_of):
     tests = isp_test_frames(small, camera, "quick")
     entry = {}
     for seed in (0, 1):
-        found = material(small, camera, "night", small.protocol.seeds, 10, seed)
+        found = material(small, camera, "night", small.protocol.seeds, 6, seed)
         made = sources(found, camera, seed)
         draw = Draw(small, camera, "quick", seed)
         values = content.content_draw(draw, made, {"world": tests})

@@ -32,7 +32,7 @@ def small(world):
 def test_thumbnails_are_means_of_what_the_sensor_keeps(small, camera):
     tests = study.test_frames(small, camera, "quick")
     small_images = study.thumbnails(tests, 3)
-    assert small_images.shape == (8, 32, 42, 3)
+    assert small_images.shape == (8, 16, 21, 3)
     assert small_images.min() >= 0.0 and small_images.max() <= 1.0
 
 
