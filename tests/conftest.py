@@ -20,6 +20,9 @@ OIIOTOOLS = {
     "oiio-wheel": (WHEEL_OIIOTOOL, ROOT / "build/wheel/lib/cg2raw/oiio"),
 }
 
+# Parameters of fixtures by which a test starts a program of the system's.
+SYSTEMS = {"oiiotool": "oiio-system", "chains_of": "the system's Python"}
+
 
 def pytest_addoption(parser):
     parser.addoption("--slow", action="store_true", help="run the slow tests too")
@@ -34,18 +37,17 @@ def pytest_configure(config):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Make all but the first row of a table slow where the system's oiiotool runs it.
+    """Make all but the first test of a file slow that a program of the system's runs.
 
-    It takes 0.3 CPU seconds to start, five times as long as the wheel's; both plugins
-    are built of the same sources."""
+    Its oiiotool takes 0.3 CPU seconds to start, five times as long as the wheel's, by
+    which all are run; both plugins are built of the same sources."""
     seen = set()
     for item in items:
-        callspec = getattr(item, "callspec", None)
-        if callspec and callspec.params.get("oiiotool") == "oiio-system":
-            table = item.nodeid.partition("[")[0]
-            if table in seen:
+        params = item.callspec.params if hasattr(item, "callspec") else {}
+        if any(params.get(name) == of for name, of in SYSTEMS.items()):
+            if item.path in seen:
                 item.add_marker(pytest.mark.slow)
-            seen.add(table)
+            seen.add(item.path)
 
 
 @pytest.fixture(scope="session")
