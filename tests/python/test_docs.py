@@ -106,21 +106,18 @@ def test_generated_files_are_up_to_date():
 
 def test_generated_files_that_are_stale_are_named_and_mended(tmp_path):
     right = {name: (ROOT / name).read_text() for name in GENERATED}
-    for name, text in right.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text)
-    assert generated(tmp_path).returncode == 0  # what is not there is written
-    assert generated("--check", tmp_path).returncode == 0
     for name, words in GENERATED.items():
         assert words in right[name]
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(right[name].replace(words, "other words"))
     gone = "docs/man/cg2raw-gone.1"
     (tmp_path / gone).write_text("of a command that is no more")
     done = generated("--check", tmp_path)
-    told = {f"{name} is not up to date: run scripts/generate.py" for name in right}
+    assert generated(tmp_path).returncode == 0  # what is not there is written, too
+    made = [path.relative_to(tmp_path) for path in tmp_path.rglob("*.*")]
+    told = {f"{name} is not up to date: run scripts/generate.py" for name in made}
     told |= {f"{gone} is not up to date: run scripts/generate.py"}
     assert (done.returncode, set(done.stdout.splitlines())) == (1, told)
-    assert generated(tmp_path).returncode == 0
     assert {name: (tmp_path / name).read_text() for name in right} == right
     assert not (tmp_path / gone).exists()
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import OpenImageIO
 import pytest
 
 from cg2raw import _core
@@ -15,7 +16,7 @@ from cg2raw.cli import doctor as cli_doctor
 from cg2raw.oiio import hosts
 from cg2raw.oiio.plugin_file import plugin_api_of
 from conftest import OIIOTOOLS
-from python.commands import write_dng
+from python.commands import run, write_dng
 
 SYSTEM_TOOL = "/usr/bin/oiiotool"
 SEARCHED = ("OIIO_LIBRARY_PATH", "OPENIMAGEIO_PLUGIN_PATH", "LD_LIBRARY_PATH")
@@ -101,11 +102,18 @@ def test_a_fitting_plugin_works(plugin):
     assert host["reader"] == "raw"
 
 
-def test_nothing_on_the_path_exits_1(plugin):
-    done = doctor()
-    assert done.returncode == 1 and done.stderr == ""
-    assert f"{SYSTEM_TOOL}: OpenImageIO " in done.stdout
-    assert "reads     only the 8-bit preview of a DNG, without a word" in done.stdout
+def test_nothing_on_the_path_exits_1(plugin, version, monkeypatch):
+    for name in SEARCHED:
+        monkeypatch.delenv(name, raising=False)
+    found = [
+        hosts.Host("oiiotool", SYSTEM_TOOL, version),
+        hosts.Host("python", sys.executable, OpenImageIO.VERSION_STRING),
+    ]
+    monkeypatch.setattr(hosts, "find_hosts", lambda: found)
+    done = run("doctor")
+    assert (done.code, done.err) == (1, "")
+    assert f"{SYSTEM_TOOL}: OpenImageIO " in done.out
+    assert "reads     only the 8-bit preview of a DNG, without a word" in done.out
 
 
 def test_nothing_on_the_path_names_the_remedy(examine):

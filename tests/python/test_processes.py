@@ -93,7 +93,7 @@ print(after[0] - before[0], after[1] - before[1], after[2] - before[2])
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="asks Linux's /proc")
-@pytest.mark.parametrize("count", [500, pytest.param(10000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [250, pytest.param(10000, marks=pytest.mark.slow)])
 def test_exports_of_one_process_leak_nothing(count, tmp_path):
     command = [sys.executable, "-c", LIFE, tmp_path / "a.dng", str(count)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
