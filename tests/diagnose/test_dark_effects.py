@@ -89,6 +89,7 @@ def test_all_of_them_at_once_are_found():
     assert np.ptp(chi2) < 0.05, chi2
 
 
+@pytest.mark.slow
 def test_noise_before_a_filter_of_the_file_is_what_the_profile_gets():
     """Frames have what it leaves, and those of the found profile agree with it."""
     noise = {"noise_reduction": {"blend": 0.15, "diagonal": 0.05}}

@@ -46,7 +46,7 @@ def with_raw(capture, change):
 @pytest.mark.parametrize(
     "strengths",
     [
-        {"exposure": 0.02},
+        slow({"exposure": 0.02}),
         {"lens_shading": 0.3, "crosstalk": 0.03},
         {"noise_reduction": 0.2, "black_level": 0.5},
         {"dark_current": 2.0, "row_noise": 0.3, "prnu": 0.01, "white_balance": 0.03},
@@ -172,8 +172,10 @@ def test_a_band_that_a_mask_leaves_out_is_no_noise(rows):
     assert (list(made.names), made.unexplained, list(made.notes)) == ([], [], [])
 
 
-def test_dead_lines_are_said_with_their_place():
-    """A column that is dark in all frames, and two rows that are bright."""
+@pytest.fixture(scope="module")
+def with_dead_lines():
+    """What is found of a column that is dark in all frames, two rows that are bright,
+    and PRNU."""
 
     def dead(raw):
         frame = raw.copy()
@@ -181,11 +183,14 @@ def test_dead_lines_are_said_with_their_place():
         frame[[50, 77]] = SENSOR.white_level - 100
         return frame
 
-    made = found(
+    return found(
         {"prnu": 0.01}, changed=lambda every: [with_raw(c, dead) for c in every]
     )
-    assert list(made.names) == ["prnu"]
-    assert [note.rpartition(": ")[2] for note in made.notes] == [
+
+
+def test_dead_lines_are_said_with_their_place(with_dead_lines):
+    assert list(with_dead_lines.names) == ["prnu"]
+    assert [note.rpartition(": ")[2] for note in with_dead_lines.notes] == [
         *("row 50, 77.", "column 31.")
     ]
 
@@ -238,8 +243,8 @@ def test_single_frames_are_divided_by_columns(strengths):
     assert any("divided by columns" in note for note in diagnosed.notes)
 
 
-def test_values_are_in_units_of_the_registry():
-    values = {(one.effect, one.parameter): one for one in found({"prnu": 0.01}).values}
+def test_values_are_in_units_of_the_registry(with_dead_lines):
+    values = {(one.effect, one.parameter): one for one in with_dead_lines.values}
     prnu = values["prnu", "sigma"]
     assert prnu.low < 0.01 < prnu.high
     assert prnu.value == pytest.approx(0.01, rel=0.05)

@@ -8,8 +8,15 @@ import pytest
 from cg2raw.match import Levels, shift_between, shift_of
 from cg2raw.match.comparison import times_words
 from cg2raw.match.shift import any_shape, normal, shape_of, shrunk
+from tiers import first_fast
 
 NONE = np.empty(0)
+
+
+@pytest.fixture(autouse=True)
+def few_draws(monkeypatch):
+    """Let a bootstrap draw 100 times, the fewest that tell a chance of 1 %."""
+    monkeypatch.setattr("cg2raw.match.shift.DRAWS", 100)
 
 
 def fitted(renders, captures):
@@ -131,7 +138,7 @@ def test_the_quantiles_of_a_drawn_exposure_have_its_median_and_spread():
     assert drawn.std() == pytest.approx(found.spread, rel=0.03)
 
 
-@pytest.mark.parametrize("count", [10, 20])
+@pytest.mark.parametrize("count", first_fast([10, 20], 1))
 def test_few_frames_have_intervals_that_hold_the_truth(count, monkeypatch):
     monkeypatch.setattr("cg2raw.match.shift.DRAWS", 60)
     rng = np.random.default_rng(6)

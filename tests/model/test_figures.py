@@ -14,7 +14,7 @@ from model.coverage import misses
 from tiers import first_fast
 
 
-@pytest.mark.parametrize(("side", "sets"), [(1, 12), (2, 5)])
+@pytest.mark.parametrize(("side", "sets"), [(1, 8), (2, 3)])
 def test_a_planted_sensor_is_found(side, sets):
     """All values within 5 standard errors, but for the drift, which few frames tell;
     and as many intervals hold as do of 95 % ones in all but 1 of 10,000 draws."""
@@ -49,7 +49,7 @@ def test_darks_that_are_mostly_zero_show_nothing():
 def test_read_noise_of_a_fraction_of_a_code(noise):
     """As above, of noise that codes hide: off by less than a standard error in the
     mean."""
-    sets = 8
+    sets = 4
     found = misses(range(sets), low=True, black=64, noise=noise, shape=(90, 120))
     inside, off = np.array(found["read noise 0"]).T
     assert inside.sum() >= binom.ppf(1e-3, sets, 0.95) and abs(off.mean()) < 1

@@ -26,8 +26,10 @@ LEAST = float(np.log(len(NAMES) / 0.01))
 # Shapes, which no number of the profile's stands for.
 STRUCTURES = {"bias_structure", "lens_shading"}
 PUT_IN = {"amplifier_glow", "color_shading", "mains_flicker"}  # below
-# Of which tests/diagnose shows the same, of frames of the generator.
+# Of which tests/diagnose shows the same, of frames of the generator; patterns of
+# columns and of rates are named as dsnu is.
 ELSEWHERE = ["black_level", "dark_current", "prnu", "read_noise", "row_noise"]
+ELSEWHERE += ["column_fixed_pattern", "dark_current_nonuniformity"]
 OTHERS = sorted(set(NAMES) - STRUCTURES - PUT_IN - set(ELSEWHERE))
 
 
@@ -101,7 +103,7 @@ def test_what_is_weak_is_named_whichever_half_trains(fits):
 @pytest.mark.parametrize("fits", [2], indirect=True)
 @pytest.mark.parametrize(
     ("stated", "spots", "names"),
-    [(0.4, 0.0, {"prnu"}), (0.4, 1.0, set()), (0.0, 1.0, {"prnu"})],
+    [slow(0.4, 0.0, {"prnu"}), (0.4, 1.0, set()), (0.0, 1.0, {"prnu"})],
 )
 def test_spots_may_be_in_the_sensitivity_of_a_profile(fits, stated, spots, names):
     """A profile whose pixels have 0.4 of their variance, of frames whose spots have as
@@ -119,11 +121,11 @@ def test_spots_may_be_in_the_sensitivity_of_a_profile(fits, stated, spots, names
 @pytest.mark.parametrize(
     ("of_profile", "whole", "is_named"),
     [
-        (0.8, (1.0, 0.0), False),
+        slow(0.8, (1.0, 0.0), False),
         (0.65, (1.0, 0.0), True),
         slow(1.2, (1.0, 0.0), False),
         slow(1.4, (1.0, 0.0), True),
-        (1.4, (1.02, 0.01), True),
+        slow(1.4, (1.02, 0.01), True),
         (1.4, (1.02, 0.03), False),
     ],
 )

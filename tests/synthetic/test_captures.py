@@ -22,7 +22,7 @@ from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
 from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS, _glow
 from python.commands import run
 
-SHAPE = (64, 96)
+SHAPE = (48, 64)
 SOURCE = Path(synthetic_captures.__file__).parent
 BLENDED = {"noise_reduction": 0.3}
 UNRELATED = ("interrupts", "io.atomic_file", "short_messages")
@@ -371,7 +371,7 @@ def test_nuisances_change_the_capture_and_are_declared(sensor):
 def test_command_writes_a_set_that_readers_take(tmp_path):
     folder = tmp_path / "blind"
     argv = ["-s", "nikon-d40", "--effects", "lens_shading=0.3,random", "--seed", "2"]
-    argv = ["diagnose", "synthesize", *argv, "--size", "96x64", "-o", str(folder)]
+    argv = ["diagnose", "synthesize", *argv, "--size", "64x48", "-o", str(folder)]
     done = run(*argv, "--json")
     assert (done.code, done.err) == (0, "")
     said, truth = json.loads(done.out), (folder / "truth.json").read_bytes()
@@ -383,7 +383,7 @@ def test_command_writes_a_set_that_readers_take(tmp_path):
     assert hidden["lens_shading"]["corner_loss"] == 0.3 and len(hidden) == 2
     dng = cg2raw.read_dng_metadata(str(folder / "fit_dark_1.dng"))
     assert dng.cfa == "BGGR" and dng.shot["exposure_time"] > 1
-    assert np.load(folder / "report_scene_1.npy").shape == (64, 96, 3)
+    assert np.load(folder / "report_scene_1.npy").shape == (48, 64, 3)
     assert cg2raw.Sensor(str(folder / "sensor.json")).noise_at(100)["beta1"][0] == 1e-4
     for option, is_said in (((), True), (("--quiet",), False)):
         done = run(*argv, *option)

@@ -19,6 +19,7 @@ from cg2raw.synthetic.sensors import drawn_sensor
 from cg2raw.synthetic.strengths import KINDS
 from diagnose.closed_loop import simulated
 from diagnose.planted import bare
+from tiers import slow
 
 SENSOR = drawn_sensor(5)
 WHITE = SENSOR.signal_range
@@ -51,10 +52,14 @@ def explained():
 
 @pytest.fixture(scope="module")
 def consistent():
-    """Return a diagnosis of frames of the profile, and the shares of its progress."""
-    shares = []
+    """Return a diagnosis of frames of the profile, and the shares of its progress; the
+    first is of another ISO, the last of another temperature."""
+    captures, shares = captures_of(), []
+    every = [replace(c, temperature=20.0) for c in captures.captures]
+    every[0] = replace(every[0], iso=1.0)
+    every[-1] = replace(every[-1], temperature=40.0)
     given = {"details": False, "progress": lambda _, share: shares.append(share)}
-    return diagnose(captures_of(), **given), shares
+    return diagnose(replace(captures, captures=every), **given), shares
 
 
 def test_frames_of_the_profile_are_consistent_with_it(consistent):
@@ -74,11 +79,6 @@ def test_what_is_named_closes_the_gap(explained):
     assert gap.chi2_before > 1.05
     assert gap.chi2_after == pytest.approx(1, abs=0.02)
     assert not set(gap.held_out) & set(explained.groups["fit"])
-
-
-def test_the_level_of_flats_is_in_the_gap():
-    gap = diagnose(captures_of(exposure=0.05)).gap
-    assert gap.before > 0.01 and abs(gap.after) < 0.2 * gap.before
 
 
 def test_the_profile_has_what_was_found(explained):
@@ -116,34 +116,30 @@ def test_a_profile_is_judged_as_it_is():
     assert any("single pixels" in one.name for one in found.unexplained)
 
 
-def test_what_may_not_be_named_is_not():
+@pytest.mark.parametrize(
+    "allowed", [{"without": ("prnu",)}, slow({"only": ("row_noise",)})]
+)
+def test_what_may_not_be_named_is_not(allowed):
     captures = captures_of(prnu=0.01, row_noise=0.3)
-    found = diagnose(captures, without=("prnu",), details=False)
+    found = diagnose(captures, **allowed, details=False)
     assert names(found) == {"row_noise"} and found.verdict == "partially_explained"
-    found = diagnose(captures, only=("prnu",), details=False)
-    assert names(found) == {"prnu"}
 
 
-def test_a_name_needs_the_strength_that_is_its_limit(consistent):
+@pytest.mark.parametrize(("share", "is_named"), [(0.5, False), slow(2.0, True)])
+def test_a_name_needs_the_strength_that_is_its_limit(consistent, share, is_named):
     limits = {one.name: one for one in consistent[0].detection_limits}
     assert limits["blur"].strength is None
     limit = limits["prnu"].strength
-    for share, is_named in ((0.5, False), (2.0, True)):
-        found = diagnose(captures_of(11, prnu=share * limit), details=False)
-        assert ("prnu" in names(found)) == is_named
+    found = diagnose(captures_of(11, prnu=share * limit), details=False)
+    assert ("prnu" in names(found)) == is_named
 
 
-def test_frames_of_another_iso_or_temperature_are_left_out():
-    captures = captures_of()
-    others = [replace(c, temperature=20.0) for c in captures.captures]
-    others[0] = replace(others[0], iso=1.0)
-    others[-1] = replace(others[-1], temperature=40.0)
-    found = diagnose(replace(captures, captures=others), details=False)
+def test_frames_of_another_iso_or_temperature_are_left_out(consistent):
+    found, _ = consistent
     for what in ("ISO", "temperature"):
         assert any(f"1 frame of another {what}" in note for note in found.notes)
-    used = sum(found.groups.values(), [])
-    assert not {others[0].name, others[-1].name} & set(used)
-    assert len(used) == len(others) - 2
+    _, *others, _ = captures_of().captures
+    assert sorted(sum(found.groups.values(), [])) == sorted(c.name for c in others)
 
 
 def test_a_profile_without_noise_takes_that_of_the_frames():
@@ -237,6 +233,7 @@ def test_a_chart_of_levels_has_a_shading_that_the_profile_states():
     brighter = {"name": "exposure", "parameters": {"gain": 0.05}}
     frames = simulated(captures_of(), stating(brighter, corners))
     found = diagnose(replace(frames, sensor=stating(corners)))
+    assert found.gap.before > 0.01 and abs(found.gap.after) < 0.2 * found.gap.before
     (chart,) = (one for one in found.charts if one.effect == "exposure")
     for one in chart.series:
         assert one.before == pytest.approx(0, abs=1e-6)
