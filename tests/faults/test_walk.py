@@ -17,7 +17,7 @@ from tiers import slow
 # few seconds. Of memory, thousands of allocations are met.
 FEW = dict.fromkeys(CALLS, (2, 2)) | {"malloc": (61, 8)}
 ONE = dict.fromkeys(CALLS, (1, 1)) | {"malloc": (61, 2)}  # where a run takes longer
-LONGER = ("dataset", "calibrate", "diagnose")
+LONGER = ("dataset", "calibrate", "diagnose", "oiio-wheel")
 MANY = dict.fromkeys(CALLS, (1, 40)) | {"malloc": (1, 10**6)}
 
 

@@ -3,6 +3,7 @@
 """cg2raw ocio --convention spectral: configs whose tables are files beside them."""
 
 import re
+import shutil
 import subprocess
 
 import numpy as np
@@ -61,10 +62,17 @@ def read(path):
     return config
 
 
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory):
+    """Return the path of a config that is only read."""
+    return made(tmp_path_factory.mktemp("shared") / "show.ocio")
+
+
 @pytest.fixture
-def path(tmp_path):
+def path(shared, tmp_path):
     """Return the path of a config; its files lie in show_raw."""
-    return made(tmp_path / "show.ocio")
+    shutil.copytree(shared.parent, tmp_path, dirs_exist_ok=True)
+    return tmp_path / shared.name
 
 
 @pytest.mark.parametrize("pair", PAIRS, ids=" ".join)

@@ -11,6 +11,7 @@ import pytest
 import rawpy
 
 from images import attributes, write_image
+from tiers import first_fast
 
 RENDERS = ["interior", "night_street"]
 # Of the file that the golden test writes. A change of it is a change of what users get:
@@ -18,7 +19,7 @@ RENDERS = ["interior", "night_street"]
 GOLDEN = "780530894412ea10f418bd5edbfbe4cc7616047fb1bf8af72a123083066956df"
 
 
-@pytest.fixture(params=RENDERS)
+@pytest.fixture(params=first_fast(RENDERS, 1))
 def render(request, repository):
     """Return (path, pixels) of each render, highlights clipped as the sensor does."""
     path = repository / "tests" / "data" / f"{request.param}.exr"
