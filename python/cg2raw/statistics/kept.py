@@ -8,7 +8,7 @@ from collections.abc import Callable
 from cg2raw.arrays import RawImage, raw_plane
 
 Reader = Callable[[], RawImage]  # () -> (H, W) uint16 DN
-BYTES = 2**28  # that are kept
+BYTES = 2**27  # that are kept
 
 
 class Kept:
