@@ -45,6 +45,13 @@ def test_darks_that_are_mostly_zero_show_nothing():
     assert set(found) == {"gain 0", "PRNU", "shading"}
 
 
+def test_shading_is_not_told_by_darks_that_are_cut():
+    """Darks of noise of 0.5 DN without a pedestal: their shape is recorded in part."""
+    found = misses([23], low=True, black=0, noise=0.5)
+    ((is_inside, _),) = found["shading"]
+    assert is_inside
+
+
 @pytest.mark.parametrize("noise", first_fast([0.25, 0.4], 1))
 def test_read_noise_of_a_fraction_of_a_code(noise):
     """As above, of noise that codes hide: off by less than a standard error in the

@@ -5,11 +5,13 @@
 It is a shape, not a draw of a law: its size is that of its own coefficients."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cg2raw.model.components import LOW, PATTERNS
 from cg2raw.model.fit import Fit
 from cg2raw.model.planes import PlaneLikelihood
 from cg2raw.statistics.constant import PIXEL, Array
+from cg2raw.statistics.frame_statistics import MOST_CUT
 
 NOT_KNOWN = (np.nan, np.nan)
 
@@ -20,14 +22,13 @@ def structure_of(found: Fit, signature: str) -> tuple[float, float]:
     squares, variances, samples = 0.0, 0.0, 0
     slopes = np.zeros(len(found.theta))
     for plane in found.likelihood.planes:
-        signatures = {"constant": np.ones(len(plane.time))}
-        if len(set(plane.time[~plane.is_flat])) > 1:
-            signatures["time"] = plane.time
-        if plane.is_flat.any():
-            signatures["light"] = plane.light
-        if signature not in signatures:
-            return NOT_KNOWN
-        one, variance, slope = _in_plane(found, plane, signatures, signature)
+        # Of groups with many samples at 0, as darks without a pedestal, shapes are
+        # recorded in part: they count where nothing else tells.
+        low = plane.plane.low
+        for used in (low <= MOST_CUT, low <= 1):
+            one, variance, slope = _in_plane(found, plane, used, signature)
+            if np.isfinite(one):
+                break
         squares, variances = squares + one, variances + variance
         samples += plane.plane.masked.size
         slopes += slope
@@ -36,12 +37,20 @@ def structure_of(found: Fit, signature: str) -> tuple[float, float]:
 
 
 def _in_plane(
-    found: Fit, plane: PlaneLikelihood, signatures: dict[str, Array], wanted: str
+    found: Fit, plane: PlaneLikelihood, used: NDArray[np.bool_], wanted: str
 ) -> tuple[float, float, Array]:
     """Return the sum of squares of the low coefficients, its variance, and its (n,)
-    slopes by parameters, on which it depends how places are recorded."""
+    slopes by parameters, on which it depends how places are recorded; nan where they
+    are not shown. used : (G,) groups."""
+    signatures = {"constant": np.ones(len(plane.time))}
+    if len(set(plane.time[~plane.is_flat & used])) > 1:
+        signatures["time"] = plane.time
+    if (plane.is_flat & used).any():
+        signatures["light"] = plane.light
+    if wanted not in signatures:
+        return (*NOT_KNOWN, 0 * found.theta)
     records, slopes = plane.records(found.theta)
-    response = records[7]
+    response = records[7] * used
     design = np.column_stack(list(signatures.values())) * response[:, None]
     largest = np.abs(design).max(axis=0)
     is_seen = bool((np.isfinite(largest) & (largest > 0)).all())  # codes may hide all
@@ -51,7 +60,7 @@ def _in_plane(
     weighted = design / (noises[:, PIXEL] / plane.frames)[:, None]
     weights = np.linalg.solve(weighted.T @ design, weighted.T)
     weights = weights[list(signatures).index(wanted)]
-    by_response = (weights * signatures[wanted]) @ slopes[7]
+    by_response = (weights * signatures[wanted] * used) @ slopes[7]
     square = variance = 0.0
     for part in map(int, np.flatnonzero(LOW)):
         freedom = plane.plane.freedom[part]
