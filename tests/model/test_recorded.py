@@ -97,6 +97,23 @@ def test_a_group_is_what_is_drawn(black, drift, lines, fixed, frames, charged):
         np.testing.assert_allclose(slopes[:, n], by_steps, rtol=1e-2, atol=2e-3)
 
 
+def test_noise_that_neighbours_have_in_common_is_recorded_by_both():
+    """Covariance of codes of pixels whose fixed offsets are their own."""
+    rng, sigma, fixed, common = np.random.default_rng(6), 0.2, 0.2, 0.2
+    shape = 2, 20, 100_000
+    shared, own = rng.standard_normal(shape[1:]), rng.standard_normal(shape)
+    noise = sigma * (np.sqrt(common) * shared + np.sqrt(1 - common) * own)
+    offsets = fixed * rng.standard_normal((2, 1, shape[2]))
+    codes = np.rint(64.3 + offsets + noise)
+    level = codes.mean(keepdims=True).ravel()
+    codes -= codes.mean(axis=1, keepdims=True)
+    covariance = (codes[0] * codes[1]).mean() * shape[1] / (shape[1] - 1)
+    about = Offsets(sigma**2, 0.0, fixed**2)
+    one = recorder_of(level, np.zeros(1), about, 0.2, WHITE, False)
+    found = Recording(*one(about)[0]).noise ** 2
+    assert found == pytest.approx(covariance / (common * sigma**2), rel=0.1)
+
+
 def test_two_frames_have_a_spread_of_response():
     """The variance of two is half the square of by how much they differ."""
     about = Offsets(0.04, 0.0, 0.01)

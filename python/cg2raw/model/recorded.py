@@ -89,8 +89,8 @@ class Recording(NamedTuple):
     for the offsets of lines. lines : by how much lines that are new in every frame are
     recorded, rms. fixed : by how much the mean code moves with the signal. steps :
     DN^2, variance of the mean codes of pixels beyond fixed^2 times that of their
-    offsets and what variance makes. noise : by how much noise of a pixel is recorded,
-    rms: correlations are of that. fading : variance of fixed from frame to frame.
+    offsets and what variance makes. noise : by how much noise that neighbours have in
+    common is recorded, rms. fading : variance of fixed from frame to frame.
     places : by how much what places differ by is recorded, rms."""
 
     place: float
@@ -274,8 +274,11 @@ def _recording(
     of_lines = each @ (WEIGHTS * NODES) / np.sqrt(square)
     variances = law.of(law.variance, at)
     variance = variances @ WEIGHTS
-    by_noise = np.gradient(law.mean, law.grid)
-    by_noise = law.of(by_noise**2, at) @ WEIGHTS
+    slope = np.gradient(law.mean, law.grid)
+    by_noise = law.of(slope**2, at) @ WEIGHTS
+    # Of neighbours in a line, whose fixed offsets are their own.
+    together = law.of(slope, law.grid[:, None] + NODES * np.sqrt(fixed)) @ WEIGHTS
+    together = law.of(together**2, at) @ WEIGHTS
     # By a pixel's own noise: normal laws obey the equation of heat, d/dvariance of what
     # is expected of codes, or of their squares, is half its curvature.
     # Where codes end within reach, fits that have it stop short: it is left out there.
@@ -313,7 +316,7 @@ def _recording(
         float(np.sqrt(lines)),
         slope,
         steps,
-        float(np.sqrt((law.of(by_noise, at) @ WEIGHTS).mean())),
+        float(np.sqrt(law.of(together, np.add.outer(drift, place)).mean())),
         float(by_frames.var(ddof=1)) if len(levels) > 1 else 0.0,
         spread,
     )
