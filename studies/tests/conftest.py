@@ -28,6 +28,14 @@ def world():
     return load_world(luxpy_folder(), replace(PROTOCOL, scene=scene))
 
 
+@pytest.fixture(autouse=True)
+def no_intervals(monkeypatch):
+    """Let a match draw no bootstrap: of it no study reads the intervals."""
+    from cg2raw.match import shift
+
+    monkeypatch.setattr(shift, "intervals", lambda found, *_: ((x, x) for x in found))
+
+
 @pytest.fixture(scope="session")
 def camera_of(camera_data):
     """Return camera_of(id): a Camera; skipped without camera data."""

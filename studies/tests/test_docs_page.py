@@ -269,7 +269,10 @@ def test_other_studies_and_cameras_of_the_same_make_are_kept(written, planted):
     assert list(kept["isp"]["cameras"]) == [other] and one not in text
 
 
-def test_nothing_is_written_to_a_page_that_lacks_a_section(tmp_path, planted):
+def test_nothing_is_written_to_a_page_that_lacks_a_section(
+    tmp_path, planted, monkeypatch
+):
+    monkeypatch.setattr(files, "gap_bars", lambda _: b"")
     page, committed = tmp_path / "page.md", tmp_path / "evidence.json"
     page.write_text(TWO)
     with pytest.raises(ValueError, match="page.md: .*study: illuminant"):

@@ -67,7 +67,7 @@ def test_more_test_frames_are_entries_of_their_own(run, ran, camera_of):
 def test_held_out_leds_are_in_no_training_frame(run, camera_of, monkeypatch):
     """By the neutrals of main lights; the illuminant study's have them."""
     camera, learned = camera_of("canon-600d"), draws.LEARNED["held_out_leds"]
-    rules = replace(run.world.protocol.illuminant, frames={"quick": 16})
+    rules = replace(run.world.protocol.illuminant, frames={"quick": 6})
     world = replace(run.world, protocol=replace(run.world.protocol, illuminant=rules))
     small = replace(run, world=world)
     pool = world.lights["train"]

@@ -79,6 +79,8 @@ def test_edits_during_a_run_are_no_part_of_what_it_ran(tmp_path, monkeypatch):
 
 def test_settings_of_the_study_count_and_those_of_others_do_not(world, monkeypatch):
     monkeypatch.setattr(type(world), "hashes", lambda _: {})  # of spectra: seconds
+    monkeypatch.setattr(fingerprint, "code_hash", lambda *_: "")
+    monkeypatch.setattr(fingerprint, "installed", lambda: {})
 
     def of(study, world, mode="full"):
         made = made_by_of(Run(world, mode, {}, None, print), study, study)

@@ -117,7 +117,7 @@ def test_a_wrong_protocol_is_refused(before, after, tmp_path):
 
 @pytest.fixture
 def short(monkeypatch):
-    """A protocol of 4 small frames, the least that have quarters."""
+    """A protocol of 4 small frames, the least that have quarters, and no pictures."""
     frames = {"quick": 4, "full": 4}
     protocol = replace(
         PROTOCOL,
@@ -126,6 +126,7 @@ def short(monkeypatch):
         colour=replace(PROTOCOL.colour, frames=frames),
     )
     monkeypatch.setattr(command, "PROTOCOL", protocol)
+    monkeypatch.setattr(command, "figures_of_world", lambda *_: {})
 
 
 def test_another_version_of_a_package_is_said_in_one_line(

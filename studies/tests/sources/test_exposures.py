@@ -114,6 +114,7 @@ def test_without_a_matrix_a_render_is_multiplied_by_the_neutral(made):
         assert np.allclose(image, scene * neutral, rtol=1e-5, atol=0)
 
 
+@pytest.mark.slow
 def test_the_worlds_scenes_are_a_source_if_renders_are_others(found, camera, made):
     other = replace(found, as_rendered=[image * 2 for image in found.as_rendered])
     name = "ours, match, world's scenes"

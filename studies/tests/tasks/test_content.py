@@ -49,6 +49,7 @@ def test_exposure_and_light_do_not_count():
     assert content.content_of(other) == pytest.approx(found, abs=0.05)
 
 
+@pytest.mark.slow
 def test_a_draw_has_all_sources_and_the_test_frames(world, camera_of):
     camera = camera_of("sony-a7s-ii")
     few = replace(world.protocol.isp, tests={"quick": 4})

@@ -99,6 +99,7 @@ def drawn(small, camera, seed, learner=None):
     return study.isp_draw(draw, arms, tests, learner)["world"]
 
 
+@pytest.mark.slow
 def test_a_draw_has_each_goal_source_measure_and_frame(small, camera):
     """Captures that are black at the exposure of their source teach nothing."""
     entry = {}

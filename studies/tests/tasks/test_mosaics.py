@@ -56,14 +56,20 @@ def plugin():
 
 
 def test_dngs_of_the_plugin_that_are_read_back_are_the_arrays(small, plugin):
-    """To the last DN; what is learnt of both is then the same to the last bit."""
-    world, camera, made = small
+    """To the last DN."""
+    _, camera, made = small
     arrays, files = (packed(made[name]().images) for name in (ARRAYS, FILES))
     assert np.array_equal(arrays, files)
     white = camera.sensor.signal_range
     exact = packed(made["ours, match"]().images)
     assert abs(arrays - exact).max() <= 0.5 / white + 1e-6
     assert len(np.unique(arrays)) > 100
+
+
+@pytest.mark.slow
+def test_of_dngs_and_of_arrays_the_same_is_learnt(small, plugin):
+    """To the last bit."""
+    world, camera, made = small
     tests = {"world": denoising.test_frames(world, camera, "quick")}
     found = files_draw(Draw(world, camera, "quick", 3), made, tests)["world"]
     scores = found["ISO 1600, brightness 0.35"]
@@ -93,6 +99,7 @@ def test_sites_of_an_image_are_the_planes_and_means_are_of_a_colour():
     assert binned(planes, 2)[3, 1, 2] == pytest.approx(planes[3, 2:4, 4:6].mean())
 
 
+@pytest.mark.slow
 def test_photographs_are_all_there_and_not_dark(camera_data):
     pytest.importorskip("rawpy", reason="rawpy is not installed")
     found = photographs(camera_data, 4, 64, 2)

@@ -65,26 +65,31 @@ def test_no_light_is_in_both_halves(which, world):
 
 
 def shots_of(world, half, cards):
-    mains = card_lights(world, half, cards, 12)
-    return day_shots(world, half, 40, mains) + night_shots(world, half, 40, 12)
+    mains = card_lights(world, half, cards, 8)
+    return day_shots(world, half, 40, mains) + night_shots(world, half, 40, 8)
 
 
-def test_all_lights_of_shots_are_of_their_half(world, camera_of):
+@pytest.fixture(scope="module")
+def shots(world, camera_of):
+    """Return {half: its shots}."""
     cards = camera_of("canon-600d").cards
+    return {half: shots_of(world, half, cards) for half in HALVES}
+
+
+def test_all_lights_of_shots_are_of_their_half(world, shots):
     for half in HALVES:
         pool = rows_of(world.lights[half].powers)
-        for shot in shots_of(world, half, cards):
+        for shot in shots[half]:
             assert rows_of(shot.lights) <= pool
 
 
-def test_materials_are_of_their_half(world, camera_of):
+def test_materials_are_of_their_half(world, shots):
     """A faded object is its measured one, times a share, plus a constant: of each
     material some reflectance of its half must be left once both are taken off."""
     for half in HALVES:
         centred = world.reflectances[half] - world.reflectances[half].mean(1)[:, None]
         shapes = centred / np.linalg.norm(centred, axis=1)[:, None]
-        shot = shots_of(world, half, camera_of("canon-600d").cards)[0]
-        for material in shot.scene.materials:
+        for material in shots[half][0].scene.materials:
             inside = (material > LEAST) & (material < MOST)  # not clipped
             if not inside.all() or np.ptp(np.diff(material)) < 1e-9:
                 continue  # a grey is of no half
@@ -92,11 +97,8 @@ def test_materials_are_of_their_half(world, camera_of):
             assert (shapes @ shape).max() == pytest.approx(np.linalg.norm(shape))
 
 
-def test_scenes_of_a_seed_differ_between_the_halves(world, camera_of):
-    cards = camera_of("canon-600d").cards
-    for one, other in zip(
-        *(shots_of(world, half, cards) for half in HALVES), strict=True
-    ):
+def test_scenes_of_a_seed_differ_between_the_halves(shots):
+    for one, other in zip(*shots.values(), strict=True):
         same = one.scene.shades.shape == other.scene.shades.shape
         assert not (same and np.allclose(one.scene.shades, other.scene.shades))
 
