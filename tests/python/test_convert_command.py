@@ -161,9 +161,7 @@ SAID = {
 
 @pytest.mark.parametrize("ending", ["exr", "tif"])
 @pytest.mark.parametrize("reference", [False, True])
-def test_exif_of_image_and_reference(
-    tmp_path, scene, ending, reference, system_oiiotool
-):
+def test_exif_of_image_and_reference(tmp_path, scene, ending, reference, oiiotool):
     image = write_image(
         tmp_path / f"said.{ending}",
         np.nan_to_num(scene, posinf=4.0),
@@ -180,14 +178,14 @@ def test_exif_of_image_and_reference(
     space = ["--iscolorspace", "lin_rec709"]  # OpenImageIO takes any TIFF for sRGB
     done = commands.run("convert", image, "-o", ours, *space, *words)
     assert done.code == 0, done.err
-    system_oiiotool(image, *space, *plugin_arguments(0, **given), "-o", theirs)
+    oiiotool(image, *space, *plugin_arguments(0, **given), "-o", theirs)
     assert ours.read_bytes() == theirs.read_bytes()
     shot = cg2raw.read_dng_metadata(str(ours)).shot
     assert shot["f_number"] == pytest.approx(2.8)
     assert shot["orientation"] == 6
 
 
-def test_a_data_window_is_padded_as_oiiotool_does(tmp_path, scene, system_oiiotool):
+def test_a_data_window_is_padded_as_oiiotool_does(tmp_path, scene, oiiotool):
     image = oiio.ImageBuf(oiio.ImageSpec(98, 66, 3, "float"))
     image.set_pixels(oiio.ROI(), np.nan_to_num(scene, posinf=4.0))
     image.specmod().x, image.specmod().y = -7, 12
@@ -197,16 +195,16 @@ def test_a_data_window_is_padded_as_oiiotool_does(tmp_path, scene, system_oiioto
     ours, theirs = tmp_path / "ours.dng", tmp_path / "theirs.dng"
     assert commands.run("convert", exr, "-o", ours, *BASE).code == 0
     given = plugin_arguments(0, sensor="samsung-s20fe", illuminant="D65")
-    system_oiiotool(exr, *given, "-o", theirs)
+    oiiotool(exr, *given, "-o", theirs)
     assert ours.read_bytes() == theirs.read_bytes()
 
 
-def test_exposure_is_mulc(exr, tmp_path, system_oiiotool):
+def test_exposure_is_mulc(exr, tmp_path, oiiotool):
     ours, theirs = tmp_path / "ours.dng", tmp_path / "theirs.dng"
     done = commands.run("convert", exr, "-o", ours, *BASE, "--exposure", -2)
     assert done.code == 0
     given = plugin_arguments(0, sensor="samsung-s20fe", illuminant="D65")
-    system_oiiotool(exr, "--mulc", 0.25, *given, "-o", theirs)
+    oiiotool(exr, "--mulc", 0.25, *given, "-o", theirs)
     np.testing.assert_array_equal(read_dn(ours), read_dn(theirs))
 
 

@@ -147,10 +147,16 @@ def test_a_second_plugin_that_fits_is_said_to_come_after(plugin, altered, examin
     assert host["plugins"][1]["reason"] == f"comes after {plugin}"
 
 
+def test_a_plugin_that_cannot_load_says_why(altered, examine):
+    host = examine(OIIO_LIBRARY_PATH=altered(b"libtiff.so", b"libnone.so"))
+    assert "libnone.so.6 is not found" in host["plugins"][0]["reason"]
+    assert not host["works"]
+    assert host["message"] and host["remedy"]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [
-        (b"libtiff.so", b"libnone.so", "libnone.so.6 is not found"),
         (
             b"dng_imageio_version\0",
             b"dng_imageio_nothing\0",
@@ -161,17 +167,21 @@ def test_a_second_plugin_that_fits_is_said_to_come_after(plugin, altered, examin
         (b"\x03\x00\x3e\x00", b"\x03\x00\xb7\x00", "is for aarch64, this machine is"),
     ],
 )
-def test_a_plugin_that_cannot_load_says_why(altered, examine, old, new, reason):
-    host = examine(OIIO_LIBRARY_PATH=altered(old, new))
-    assert reason in host["plugins"][0]["reason"]
-    assert not host["works"]
-    assert host["message"] and host["remedy"]
+def test_what_is_wrong_is_read_from_the_file(
+    altered, version, monkeypatch, old, new, reason
+):
+    monkeypatch.setenv("OIIO_LIBRARY_PATH", str(altered(old, new)))
+    host = hosts.Host("oiiotool", SYSTEM_TOOL, version)
+    plugin, *_ = cli_doctor.plugins_of(host, hosts.Trial(False, "", ""))
+    assert reason in plugin.reason
 
 
-def test_a_truncated_plugin_is_damaged(plugin, examine, tmp_path):
+def test_a_truncated_plugin_is_damaged(plugin, version, monkeypatch, tmp_path):
     (tmp_path / plugin.name).write_bytes(plugin.read_bytes()[:5000])
-    host = examine(OIIO_LIBRARY_PATH=tmp_path)
-    assert "is damaged" in host["plugins"][0]["reason"]
+    monkeypatch.setenv("OIIO_LIBRARY_PATH", str(tmp_path))
+    host = hosts.Host("oiiotool", SYSTEM_TOOL, version)
+    found, *_ = cli_doctor.plugins_of(host, hosts.Trial(False, "", ""))
+    assert "is damaged" in found.reason
 
 
 def test_it_lists_the_folders_and_ids_of_sensors(monkeypatch, tmp_path):

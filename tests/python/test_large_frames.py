@@ -48,7 +48,7 @@ print((peak() - before) / 1024)
 @pytest.mark.parametrize(
     "megapixels",
     [
-        100,
+        30,
         pytest.param(200, marks=pytest.mark.slow),
         pytest.param(500, marks=pytest.mark.slow),
     ],

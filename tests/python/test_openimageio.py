@@ -13,6 +13,7 @@ import pytest
 
 from cg2raw.oiio import plugin_file
 from cg2raw.oiio.elf import Library
+from tiers import slow
 
 WRITE = """
 image = OpenImageIO.ImageBuf(OpenImageIO.ImageSpec(64, 48, 3, "float"))
@@ -144,7 +145,11 @@ def test_the_plugin_inside_the_package_is_taken(package_of_a_wheel, tmp_path):
 
 @pytest.mark.parametrize(
     ("version", "api"),
-    [("3.0.4.0", "26"), ("2.5.18.0", "25"), ("3.3.0.0", "unknown to this cg2raw")],
+    [
+        ("3.0.4.0", "26"),
+        slow("2.5.18.0", "25"),
+        slow("3.3.0.0", "unknown to this cg2raw"),
+    ],
 )
 def test_what_a_wheel_has_no_plugin_for_is_told(
     package_of_a_wheel, version, api, tmp_path
@@ -174,11 +179,22 @@ def test_before_3_a_wheels_plugin_is_of_one_minor_version(folder, version, fits)
     assert (plugin_file.misfit(library, version, path) == "") == fits
 
 
+# A doctor that looks at no other program.
+OF_THIS_PYTHON = """
+import sys
+from OpenImageIO import VERSION_STRING
+from cg2raw.cli import doctor
+doctor.hosts.find_hosts = lambda: [
+    doctor.hosts.Host("python", sys.executable, VERSION_STRING)
+]
+"""
+
+
 def test_doctor_tells_that_there_is_none_to_register(package_alone, tmp_path):
     pytest.importorskip("OpenImageIO")
-    code = """
+    code = f"""
 import json
-from cg2raw.cli import doctor
+{OF_THIS_PYTHON}
 report = doctor.examine()
 found = [host["register_oiio_plugin"] for host in report["hosts"]]
 print(json.dumps([path for path in found if path is not None]))
@@ -189,7 +205,7 @@ print("no plugin for API" in doctor.as_text(report))
 
 
 def test_doctor_names_the_plugin_that_would_be_registered(wheel_plugin, tmp_path):
-    code = "from cg2raw.cli import doctor; print(doctor.as_text(doctor.examine()))"
+    code = f"{OF_THIS_PYTHON}\nprint(doctor.as_text(doctor.examine()))"
     words = python(code, tmp_path)
     assert str(wheel_plugin / "dng.imageio.so") in words[words.index("finds") :]
 

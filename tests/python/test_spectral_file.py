@@ -12,6 +12,7 @@ from cg2raw import _core
 from cg2raw.profile.spectral import neutral_under, profile_from_ssf, spectral_field
 from cg2raw.profile.spectral_file import WAVELENGTHS, read_sensitivities
 from python.spectra import SENSOR, camera_json, three_lobes
+from tiers import slow
 
 
 def test_csv_and_json_hold_the_same_camera(written):
@@ -180,7 +181,7 @@ def test_a_mono_sensor_has_no_matrix_of_a_lamp(written):
         profile_from_ssf(path, **MONO, lamps=["FL2"])
 
 
-@pytest.mark.parametrize("step", [1, 2])
+@pytest.mark.parametrize("step", [2, slow(1)])
 def test_quantum_efficiencies_are_the_same_camera(written, step):
     """A photon of twice the wavelength has half the energy."""
     rgb = three_lobes().rgb[::step]

@@ -92,7 +92,7 @@ def test_gains_of_a_camera_are_those_of_its_neutrals(id):
     expected += [hull[:, 1].min(), hull[:, 1].max()]
     np.testing.assert_allclose(found, expected)
     upi = Upi(sensor, gains="camera")
-    drawn = [upi.draw(seed) for seed in range(500)]
+    drawn = [upi.draw(seed) for seed in range(100)]
     assert uniform_p(column(drawn, "red_gain"), red_low, red_high) > LEAST_P / 10
 
 
@@ -197,7 +197,7 @@ def test_draws_are_pure_functions_of_the_seed():
 def test_gains_of_any_range():
     """Also of a sensor whose neutrals nobody has measured."""
     upi = Upi("sony-a7s-ii", gains=((2.0, 2.0), (1.25, 1.75)))
-    draws = [upi.draw(seed) for seed in range(300)]
+    draws = [upi.draw(seed) for seed in range(100)]
     assert {draw.red_gain for draw in draws} == {2.0}
     blue = [draw.blue_gain for draw in draws]
     assert uniform_p(blue, 1.25, 1.75) > LEAST_P
