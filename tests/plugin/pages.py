@@ -47,7 +47,7 @@ def environment_of(folder, oiiotool):
     }
 
 
-def run_commands(page, folder, oiiotool="oiio-system", apart=()):
+def run_commands(page, folder, oiiotool="oiio-wheel", apart=()):
     """Run the commands of a page in a folder; none may fail. Return how many.
 
     apart : of words; a command that has one of them is not run."""

@@ -96,7 +96,7 @@ def test_illuminants(tmp_path, render):
 
 def test_monochrome(tmp_path, render):
     """Its profile; the last command and the line of Python make one RAW."""
-    oiiotool_runner("oiio-system")  # skips what is not there
+    oiiotool_runner("oiio-wheel")  # skips what is not there
     page = text_of("monochrome.md")
     (shown,) = re.findall(r"```json\n(.*?)```", page, re.DOTALL)
     (tmp_path / "my-mono.json").write_text(shown)

@@ -46,7 +46,7 @@ def cells(pixels):
     return pixels[: 2 * rows, : 2 * cols].reshape(rows, 2, cols, 2, 3).mean(axis=(1, 3))
 
 
-@pytest.mark.parametrize("light", ["A", "D65", "sample:4"])
+@pytest.mark.parametrize("light", first_fast(["A", "D65", "sample:4"], 1))
 def test_a_reader_gives_the_render_back(oiiotool, render, tmp_path, light):
     path, pixels = render
     out = tmp_path / "shot.dng"
