@@ -71,6 +71,14 @@ def camera_data():
     return folder
 
 
+@pytest.fixture(scope="session")
+def library(tmp_path_factory):
+    """Return the injector of tests/faults, compiled once for all of them, or skip."""
+    from faults.injector import compiled
+
+    return compiled(tmp_path_factory.mktemp("injector"))
+
+
 def oiiotool_runner(name):
     """Return run(*arguments, check=True, **keywords) of one of OIIOTOOLS.
 

@@ -10,23 +10,20 @@ import sys
 import numpy as np
 import pytest
 
-from faults.injector import Injector, compiled
+from faults.injector import Injector
 from images import write_image
+from tiers import first_fast
 
 # What such file systems answer: FUSE ENOSYS; Lustre without the mount option
 # flock, ENOSYS; NFS without lockd ENOLCK; Samba's folders EINVAL; shares ENOTSUP.
 LACKING = [
-    ("fchmod", errno.EPERM), ("fchmod", errno.ENOTSUP), ("fchmod", errno.ENOSYS),
-    ("fsync", errno.EINVAL), ("fsync", errno.ENOTSUP), ("fsync", errno.ENOSYS),
+    ("fchmod", errno.EPERM), ("fsync", errno.EINVAL),
+    ("fchmod", errno.ENOTSUP), ("fchmod", errno.ENOSYS),
+    ("fsync", errno.ENOTSUP), ("fsync", errno.ENOSYS),
 ]  # fmt: skip
 NO_LOCKS = [errno.ENOSYS, errno.ENOLCK, errno.ENOTSUP]
 CONVERT = ["convert", "a.exr", "-o", "out/a.dng", "--illuminant", "D65"]
 DATASET = ["dataset", "a.exr", "out/set", "--illuminants", "1", "--format", "npy"]
-
-
-@pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    return compiled(tmp_path_factory.mktemp("injector"))
 
 
 @pytest.fixture
@@ -56,7 +53,7 @@ def older_file(folder):
     return path
 
 
-@pytest.mark.parametrize("call, number", LACKING)
+@pytest.mark.parametrize("call, number", first_fast(LACKING, 2))
 def test_what_a_file_system_lacks_is_done_without(injector, tmp_path, call, number):
     faults = injector.environment(call, number, sticky=True, tmpfile=False)
     path = older_file(tmp_path)
@@ -66,7 +63,7 @@ def test_what_a_file_system_lacks_is_done_without(injector, tmp_path, call, numb
     assert path.read_bytes()[:4] == b"II*\0"
 
 
-@pytest.mark.parametrize("number", NO_LOCKS)
+@pytest.mark.parametrize("number", first_fast(NO_LOCKS, 1))
 def test_a_data_set_is_made_without_locks(injector, tmp_path, number):
     faults = injector.environment("flock", number, sticky=True)
     for _ in range(2):

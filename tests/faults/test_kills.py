@@ -10,7 +10,6 @@ import time
 
 import pytest
 
-from faults.injector import compiled
 from faults.judge import contents
 from faults.targets import TARGETS
 from faults.walk import NONE, Walk
@@ -44,18 +43,18 @@ def killed(walk, server, kills):
     return counts
 
 
-def check(tmp_path, kills):
+def check(library, tmp_path, kills):
     """Return how many files were there after each of @kills."""
-    walk = Walk(TARGETS["dataset"], compiled(tmp_path), tmp_path)
+    walk = Walk(TARGETS["dataset"], library, tmp_path)
     with walk.start() as server:
         return killed(walk, server, kills)
 
 
-def test_killed_a_few_times(tmp_path):
-    assert len(set(check(tmp_path, 6))) > 1
+def test_killed_a_few_times(library, tmp_path):
+    assert len(set(check(library, tmp_path, 6))) > 1
 
 
 @pytest.mark.slow
-def test_killed_many_times(tmp_path, request):
-    counts = check(tmp_path, request.config.getoption("--kills"))
+def test_killed_many_times(library, tmp_path, request):
+    counts = check(library, tmp_path, request.config.getoption("--kills"))
     assert len(set(counts)) > 3  # at many different moments

@@ -19,8 +19,9 @@ from cg2raw import _core
 from cg2raw.io import image_facts, image_file
 from conftest import mounted
 from dataset.data_sets import contents, scene, write_image
-from faults.injector import Injector, compiled
+from faults.injector import Injector
 from python.commands import write_dng
+from tiers import slow
 
 LIGHT = ("--sensor", "nikon-d40", "--illuminant", "D65")
 NO_SPACE, QUOTA, TOO_LARGE = "No space left", "Disk quota exceeded", "File too large"
@@ -92,9 +93,8 @@ def test_a_full_disk_is_said_and_gone_on_from(source, tmp_path, name):
 
 
 @pytest.mark.parametrize("name", SIZES)
-def test_a_quota_is_said(source, tmp_path, name):
+def test_a_quota_is_said(source, library, tmp_path, name):
     (tmp_path / "out").mkdir()
-    library = compiled(tmp_path)
     injector = Injector(library, tmp_path / "out", tmp_path)
     faults = injector.environment("pwrite", 122, sticky=True)  # EDQUOT
     done = command(name, *words_of(name, source, tmp_path / "out"), env=faults)
@@ -125,6 +125,7 @@ def little_memory():
     resource.setrlimit(resource.RLIMIT_AS, (LITTLE, LITTLE))
 
 
+@pytest.mark.slow  # seconds to write it
 def test_too_little_memory_for_an_image(tmp_path):
     path = tmp_path / "large.npy.exr"
     write_image(path, np.zeros((7000, 9000, 3), np.float16))
@@ -153,7 +154,9 @@ def test_dev_full_takes_no_report(source, tmp_path, unbuffered):
     assert "Traceback" not in done.stderr and done.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize("words", [["--help"], ["sensors", "--help"], ["--version"]])
+@pytest.mark.parametrize(
+    "words", [["--help"], slow(["sensors", "--help"]), slow(["--version"])]
+)
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_dev_full_takes_no_help(words, unbuffered):
     with Path("/dev/full").open("w") as full:

@@ -7,7 +7,7 @@ import signal
 import pytest
 
 from conftest import oiiotool_runner
-from faults.injector import CALLS, compiled
+from faults.injector import CALLS
 from faults.judge import Ended, Known, faults_of
 from faults.targets import TARGETS
 from faults.walk import walked
@@ -19,11 +19,6 @@ FEW = dict.fromkeys(CALLS, (2, 2)) | {"malloc": (61, 8)}
 ONE = dict.fromkeys(CALLS, (1, 1)) | {"malloc": (61, 2)}  # where a run takes longer
 LONGER = ("dataset", "calibrate", "diagnose", "oiio-wheel")
 MANY = dict.fromkeys(CALLS, (1, 40)) | {"malloc": (1, 10**6)}
-
-
-@pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    return compiled(tmp_path_factory.mktemp("injector"))
 
 
 def check(name, library, steps, errors=None):
