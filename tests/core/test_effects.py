@@ -222,8 +222,8 @@ def departures(settings, rows, **run):
 def rows_for(name):
     """Rows of 16 pixels; fewer where they cost more: with the square of the height, a
     frame each, or a thousand spots."""
-    fewer = {"veiling_glare": 2000, "dust": 10000, **dict.fromkeys(OF_A_FRAME, 8000)}
-    return fewer.get(name, 40000)
+    fewer = {"veiling_glare": 1000, "dust": 10000, **dict.fromkeys(OF_A_FRAME, 8000)}
+    return fewer.get(name, 20000)
 
 
 def check_moments(left, mean, variance):
