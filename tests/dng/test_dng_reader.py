@@ -63,7 +63,7 @@ class Tags:
         return self.numbers(name, self.raw, default)
 
 
-@pytest.fixture(params=MOSAICS)
+@pytest.fixture(scope="module", params=MOSAICS)
 def pair(request, camera_data, program):
     """Return what cg2raw and what exiftool say of one real DNG."""
     path = camera_data / "real" / request.param

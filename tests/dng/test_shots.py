@@ -12,6 +12,7 @@ import tifffile
 import cg2raw
 from dng import dng_files
 from oracles import cameras
+from tiers import slow
 
 SHOT = {
     "frame_rate": "23.976",
@@ -171,7 +172,7 @@ def test_libraw_reads_frames_of_shots(tmp_path, cfa, compression):
 
 @pytest.mark.parametrize("cfa", BAYER)
 @pytest.mark.parametrize("compression", ["ljpeg", "none"])
-@pytest.mark.parametrize("size", SHAPES)
+@pytest.mark.parametrize("size", ["odd", slow("even")])
 def test_ffmpeg_decodes_our_numbers(tmp_path, program, cfa, compression, size):
     """It gives them from black to white over 16 bits, rounded down."""
     path, sensor = tmp_path / "x.dng", dng_files.sensor(cfa=cfa)
