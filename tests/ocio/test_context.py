@@ -13,6 +13,7 @@ from images import attributes, read_dn, write_image
 from ocio.conversion import SCENE, camera, converted, difference, pixels, system_python
 from python.commands import fails, run
 from python.counted_reads import bytes_read
+from tiers import slow
 
 PAIRS = [
     (sensor, light)
@@ -107,7 +108,7 @@ np.save(sys.argv[2], image)
 """
 
 
-@pytest.mark.parametrize("pair", PAIRS[:2], ids=" ".join)
+@pytest.mark.parametrize("pair", [PAIRS[0], slow(PAIRS[1])], ids=" ".join)
 def test_in_the_systems_opencolorio(path, plain, tmp_path, build_folder, pair):
     for ends in ((SCENE, "RAW - context"), ("RAW - context", SCENE)):
         image = np.ones((20000, 4), np.float32)

@@ -11,6 +11,7 @@ from cg2raw_ocio import names
 from cg2raw_ocio.config import config_text, make_config
 from images import write_image
 from oracles import cameras, de2000
+from tiers import slow
 
 SENSOR = "canon-600d"  # 14 bits
 PATCH = 24  # pixels, of each square patch; LibRaw wants at least 22
@@ -37,7 +38,7 @@ def developed(mosaic, profile):
     return camera.astype(np.float32)
 
 
-@pytest.mark.parametrize("light", ["A", "D65"])
+@pytest.mark.parametrize("light", [slow("A"), "D65"])
 def test_chart_through_a_dng(system_oiiotool, tmp_path, light):
     profile = _core.load_profile(SENSOR)
     assert profile.bits == 14

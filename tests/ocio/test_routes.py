@@ -58,6 +58,7 @@ def check(oiiotool, repository, folder, sensor, light, picture):
 
 
 @pytest.mark.parametrize(("sensor", "light", "picture"), first_fast(RUNS, 1))
+@pytest.mark.parametrize("oiiotool", WHEEL_FAST, indirect=True)
 def test_both_routes(oiiotool, repository, tmp_path, sensor, light, picture):
     check(oiiotool, repository, tmp_path, sensor, light, picture)
 

@@ -24,6 +24,7 @@ from ocio.conversion import (
 )
 from ocio.test_config import CHECKERS
 from python.commands import fails, run
+from tiers import slow
 
 SPECTRAL = ("--convention", "spectral")
 PAIRS = [("canon-600d", "FL2"), ("nikon-d850", "sample:1")]
@@ -168,7 +169,7 @@ np.save(sys.argv[2], image)
 """
 
 
-@pytest.mark.parametrize("pair", PAIRS, ids=" ".join)
+@pytest.mark.parametrize("pair", [PAIRS[0], slow(PAIRS[1])], ids=" ".join)
 def test_in_the_systems_opencolorio(path, tmp_path, build_folder, pair):
     image = np.ones((len(scene()), 4), np.float32)
     image[:, :3] = scene()
@@ -186,7 +187,7 @@ def test_in_the_systems_opencolorio(path, tmp_path, build_folder, pair):
     assert difference(found, exact(pair, scene())) <= MAX_DN
 
 
-@pytest.mark.parametrize("pair", PAIRS, ids=" ".join)
+@pytest.mark.parametrize("pair", [slow(PAIRS[0]), PAIRS[1]], ids=" ".join)
 def test_the_environment_chooses(tmp_path, monkeypatch, pair):
     output = tmp_path / "show.ocio"
     done = run("ocio", *ASKED, *SPECTRAL, "--context", "-o", output)

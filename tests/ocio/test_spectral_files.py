@@ -23,7 +23,7 @@ from ocio.test_spectral_config import (
     scene,
 )
 from python.commands import run
-from tiers import slow
+from tiers import WHEEL_FAST, slow
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +85,7 @@ SHARE = 0.03
 
 
 @pytest.mark.parametrize("picture", ["interior", slow("night_street")])
+@pytest.mark.parametrize("oiiotool", WHEEL_FAST, indirect=True)
 def test_both_routes_to_a_dng(oiiotool, repository, path, tmp_path, picture):
     image = repository / "tests" / "data" / f"{picture}.exr"
     by_ocio, direct = tmp_path / "ocio.dng", tmp_path / "direct.dng"
