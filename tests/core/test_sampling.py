@@ -15,7 +15,7 @@ from tiers import first_fast
 stats = pytest.importorskip("scipy.stats", reason="scipy is not installed")
 spatial = pytest.importorskip("scipy.spatial", reason="scipy is not installed")
 
-COUNT = 100_000
+COUNT = 50_000
 # Two-sided, of 5 numbers of each sensor: by chance once in 3e5 sensors.
 MOST_STANDARD_ERRORS = 5.0
 # Of a cross product of numbers below 2: three roundings, 2**-52 of its terms each.

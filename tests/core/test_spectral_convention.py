@@ -4,8 +4,7 @@
 
 import json
 import re
-import subprocess
-import sys
+import runpy
 
 import numpy as np
 import pytest
@@ -138,9 +137,9 @@ def test_spectra_are_those_of_the_cie(word, light):
     assert shape == pytest.approx(power / power.max(), abs=2e-4)
 
 
-def test_the_tables_are_what_the_script_makes(repository, tmp_path):
-    script = repository / "scripts/spectra_tables.py"
-    subprocess.run([sys.executable, script, "--out", tmp_path], check=True)
+def test_the_tables_are_what_the_script_makes(repository, tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.argv", ["spectra_tables.py", "--out", str(tmp_path)])
+    runpy.run_path(repository / "scripts/spectra_tables.py", run_name="__main__")
     made = sorted(tmp_path.iterdir())
     assert [path.name for path in made] == [
         "illuminant_daylight_tables.h",

@@ -25,14 +25,15 @@ OPTIONS = (
     "--sensors samsung-s20fe,nikon-d850 --illuminants 3 --iso clean,400 "
     "--crop 96x64 --patches 2 --workers 2"
 ).split()
+COUNT = 6  # images
 PLAIN = {"dataset.json", "manifest.jsonl", "manifest.parquet"}
 
 
 @pytest.fixture(scope="module")
 def several(tmp_path_factory):
-    """Return a folder of twelve images."""
+    """Return a folder of images."""
     folder = tmp_path_factory.mktemp("several")
-    for number in range(12):
+    for number in range(COUNT):
         write_image(folder / f"{number}.exr", scene((160, 240), number))
     return folder
 
@@ -68,7 +69,7 @@ def kill_many(images, tmp_path, kills):
     finish(images, tmp_path / "whole")
     whole = contents(tmp_path / "whole")
     total = len(rows(tmp_path / "whole"))
-    assert total == 12 * 2 * 2 * 3 * 2
+    assert total == COUNT * 2 * 2 * 3 * 2
     draw = random.Random(5)
     out, counts, had = tmp_path / "out", [], 0
     for _ in range(kills):
@@ -87,8 +88,8 @@ def kill_many(images, tmp_path, kills):
     return counts
 
 
-def test_killed_three_times(several, tmp_path):
-    assert any(kill_many(several, tmp_path, 3))
+def test_killed_twice(several, tmp_path):
+    assert any(kill_many(several, tmp_path, 2))
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from fuzz import python_targets
 from fuzz.python_targets import TARGETS, Finding, check
 
 HERE = Path(__file__).parent
-FEW, MANY = 75, 20000
+FEW, MANY = 30, 20000
 WORDS = {
     "captures": b"file kind scene gain illuminant set group iso exposure_time mask "
     b"chart patches corners unit count cut_below area rgb lab xyz patch sensor frames "

@@ -13,12 +13,6 @@ from tiers import first_fast
 NONE = np.empty(0)
 
 
-@pytest.fixture(autouse=True)
-def few_draws(monkeypatch):
-    """Let a bootstrap draw 100 times, the fewest that tell a chance of 1 %."""
-    monkeypatch.setattr("cg2raw.match.shift.DRAWS", 100)
-
-
 def fitted(renders, captures):
     """Return (median, spread), and which shape was taken."""
     shape = shape_of(renders, captures, 0)
@@ -142,7 +136,7 @@ def test_the_quantiles_of_a_drawn_exposure_have_its_median_and_spread():
 def test_few_frames_have_intervals_that_hold_the_truth(count, monkeypatch):
     monkeypatch.setattr("cg2raw.match.shift.DRAWS", 60)
     rng = np.random.default_rng(6)
-    for seed in range(10):
+    for seed in range(6):
         renders, scenes = rng.normal(-4, 1, (2, count))
         captures = known(scenes + rng.normal(1.5, 0.7, count))
         found = shift_between(renders, captures, seed)

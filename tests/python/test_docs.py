@@ -10,8 +10,6 @@ import inspect
 import re
 import shlex
 import shutil
-import subprocess
-import sys
 import textwrap
 from pathlib import Path
 
@@ -94,17 +92,24 @@ GENERATED = {
 }
 
 
-def test_generated_files_are_up_to_date():
-    command = [sys.executable, ROOT / "scripts/generate.py", "--check"]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
-def test_generated_files_that_are_stale_are_named_and_mended(
-    tmp_path, monkeypatch, capsys
-):
+@pytest.fixture
+def generate(monkeypatch, capsys):
+    """Return generate(*words): what scripts/generate.py returns, and prints."""
     monkeypatch.syspath_prepend(str(ROOT / "scripts"))
     main = importlib.import_module("generate").main
+
+    def run(*words):
+        monkeypatch.setattr("sys.argv", ["generate.py", *map(str, words)])
+        return main(), capsys.readouterr().out
+
+    return run
+
+
+def test_generated_files_are_up_to_date(generate):
+    assert generate("--check") == (0, "")
+
+
+def test_generated_files_that_are_stale_are_named_and_mended(tmp_path, generate):
     right = {name: (ROOT / name).read_text() for name in GENERATED}
     for name, words in GENERATED.items():
         assert words in right[name]
@@ -112,10 +117,8 @@ def test_generated_files_that_are_stale_are_named_and_mended(
         (tmp_path / name).write_text(right[name].replace(words, "other words"))
     gone = "docs/man/cg2raw-gone.1"
     (tmp_path / gone).write_text("of a command that is no more")
-    monkeypatch.setattr("sys.argv", ["generate.py", "--check", str(tmp_path)])
-    code, named = main(), capsys.readouterr().out
-    monkeypatch.setattr("sys.argv", ["generate.py", str(tmp_path)])
-    assert main() == 0  # what is not there is written, too
+    code, named = generate("--check", tmp_path)
+    assert generate(tmp_path)[0] == 0  # what is not there is written, too
     made = [path.relative_to(tmp_path) for path in tmp_path.rglob("*.*")]
     told = {f"{name} is not up to date: run scripts/generate.py" for name in made}
     told |= {f"{gone} is not up to date: run scripts/generate.py"}

@@ -17,6 +17,7 @@ from cg2raw.oiio import hosts
 from cg2raw.oiio.plugin_file import plugin_api_of
 from conftest import OIIOTOOLS
 from python.commands import run, write_dng
+from tiers import slow
 
 SYSTEM_TOOL = "/usr/bin/oiiotool"
 SEARCHED = ("OIIO_LIBRARY_PATH", "OPENIMAGEIO_PLUGIN_PATH", "LD_LIBRARY_PATH")
@@ -91,10 +92,17 @@ def altered(plugin, tmp_path):
     return alter
 
 
-def test_a_fitting_plugin_works(plugin):
-    done = doctor("--json", OIIO_LIBRARY_PATH=str(plugin.parent))
-    assert (done.returncode, done.stderr) == (0, "")
-    [host] = [h for h in json.loads(done.stdout)["hosts"] if h["path"] == SYSTEM_TOOL]
+@pytest.mark.parametrize("is_alone", [True, slow(False)])
+def test_a_fitting_plugin_works(plugin, monkeypatch, is_alone):
+    for name in SEARCHED:
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("OIIO_LIBRARY_PATH", str(plugin.parent))
+    if is_alone:  # no other program is asked
+        monkeypatch.setattr(hosts, "programs", lambda name: [f"/usr/bin/{name}"])
+        monkeypatch.setattr(hosts, "ASK_PYTHON", "raise SystemExit(1)")
+    done = run("doctor", "--json")
+    assert (done.code, done.err) == (0, "")
+    [host] = [h for h in json.loads(done.out)["hosts"] if h["path"] == SYSTEM_TOOL]
     assert host["kind"] == "oiiotool" and host["works"]
     assert host["plugin_api"] == 25 or not host["version"].startswith("2.4")
     assert [found["path"] for found in host["plugins"]] == [str(plugin)]

@@ -3,9 +3,11 @@
 """Messages of the command are one line, and short, whatever the words."""
 
 import argparse
+from functools import cache
 
 import pytest
 
+from cg2raw import cli
 from cg2raw.cli import make_parser
 from cg2raw.cli._messages import about_output
 from cg2raw.short_messages import shortened, words_of
@@ -30,7 +32,8 @@ def options():
 @pytest.mark.parametrize(
     "word", ["two\nlines " * 1000, slow(LONG)], ids=["lines", "long"]
 )
-def test_a_long_word_is_not_repeated(tmp_path, word):
+def test_a_long_word_is_not_repeated(tmp_path, monkeypatch, word):
+    monkeypatch.setattr(cli, "make_parser", cache(make_parser))
     places = {"dataset": (tmp_path / "in.exr", tmp_path / "out")}
     for name, option in options():
         words = (name, *places.get(name, ()), option, word)

@@ -12,7 +12,7 @@ from cg2raw import _core
 from cg2raw.upi import PAPER_SENSORS, Upi, d65_matrix, drawn_noise, gain_ranges
 from oracles.de2000 import between_linear_srgb
 
-SEEDS = range(2000)
+SEEDS = range(1000)
 # Each test of a distribution fails once in a thousand sets of seeds, and this is one.
 LEAST_P = 1e-3
 

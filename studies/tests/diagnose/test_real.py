@@ -16,7 +16,7 @@ import pytest
 pytest.importorskip("scipy")
 
 from cg2raw.diagnose.captures.reader import divided, read_frames
-from studies.diagnose import cameras, planted
+from studies.diagnose import cameras, planted, real
 from studies.diagnose import run as command
 from studies.diagnose.planted import PLANTS, Exposure, Levels
 from studies.diagnose.real import calibrated, halves, plantable
@@ -206,7 +206,8 @@ def test_one_half_is_calibrated_and_the_other_planted(manifest):
     assert np.array_equal(capture.raw(), capture.raw())
 
 
-def test_untouched_halves_are_untouched_and_divided_anew(manifest):
+def test_untouched_halves_are_untouched_and_divided_anew(manifest, monkeypatch):
+    monkeypatch.setattr(real, "calibrated_by", lambda sensor, _: sensor)
     both = cases("real-none", 3, 2, (), manifest)
     names = []
     for case in both:

@@ -30,7 +30,8 @@ def lead(found, own, other):
     return ahead.mean(), ahead.std(ddof=1) / np.sqrt(len(ahead))
 
 
-@pytest.mark.parametrize("name", first_fast(CAMERAS, 1))
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CAMERAS)
 def test_ours_is_nearer_than_the_paper_and_upi(name, world, camera_of):
     """By 2 standard errors; of UPI by the 600D alone. The two others' D65 matrices are
     near the mean of UPI's ten: there ours must not be behind by as much."""
