@@ -62,38 +62,25 @@ def write_inputs(folder):
 
 
 @pytest.fixture(scope="module")
-def shell(tmp_path_factory):
-    """Return (folder, run): a folder with what commands need, and what runs blocks of
-    them, but of "Install", that a function of their code chooses."""
+def ran(tmp_path_factory):
+    """Return the folder in which all commands ran but those of "Install"."""
     folder = tmp_path_factory.mktemp("readme")
     write_inputs(folder)
-    environment = environment_of(folder, "oiio-wheel")
-
-    def run(is_chosen):
-        for heading, blocks in sections().items():
-            for language, code in blocks:
-                if language != "sh" or heading == "Install" or not is_chosen(code):
-                    continue
-                # Every line counts, not the last one alone.
-                done = subprocess.run(
-                    ["bash", "-euo", "pipefail", "-c", code],
-                    cwd=folder,
-                    env=environment,
-                    capture_output=True,
-                    text=True,
-                )
-                assert done.returncode == 0, f"{code}\n{done.stdout}{done.stderr}"
-                if (folder / "shot.dng").exists():
-                    shutil.copy(folder / "shot.dng", folder / f"{heading}.dng")
-
-    return folder, run
-
-
-@pytest.fixture(scope="module")
-def ran(shell):
-    """Return the folder in which all commands ran but those that diagnose."""
-    folder, run = shell
-    run(lambda code: "diagnose" not in code)
+    environment = environment_of(folder, "oiio-system")
+    for heading, blocks in sections().items():
+        for language, code in blocks:
+            if language != "sh" or heading == "Install":
+                continue
+            # Every line counts, not the last one alone.
+            done = subprocess.run(
+                ["bash", "-euo", "pipefail", "-c", code],
+                cwd=folder,
+                env=environment,
+                capture_output=True,
+                text=True,
+            )
+            assert done.returncode == 0, f"{code}\n{done.stdout}{done.stderr}"
+            shutil.copy(folder / "shot.dng", folder / f"{heading}.dng")
     return folder
 
 
@@ -129,13 +116,10 @@ def test_the_data_set_has_both_kinds_of_manifest_and_clean_and_noisy_frames(ran)
     assert isos == {None, 100, 3200} and (ran / "out/manifest.parquet").exists()
 
 
-@pytest.mark.slow
-def test_the_profile_is_measured_and_consistent(shell):
-    folder, run = shell
-    run(lambda code: "diagnose" in code)
-    [row] = json.loads((folder / "my-camera.json").read_text())["noise"]
+def test_the_profile_is_measured_and_consistent(ran):
+    [row] = json.loads((ran / "my-camera.json").read_text())["noise"]
     assert row["iso"] == ISO
-    verdict = json.loads((folder / "report/verdict.json").read_text())
+    verdict = json.loads((ran / "report/verdict.json").read_text())
     assert verdict["verdict"] == "consistent", verdict
 
 
