@@ -200,7 +200,8 @@ PlaneMask mask_of(const PlaneParts& plane, std::uint8_t* marked, int pitch)
         part *= left; // what is filled in has no noise, in any part
     // Of pixels, the means of lines that are left take theirs.
     const auto rows = double(std::count(mask.rows.begin(), mask.rows.end(), 0));
-    const auto columns = double(std::count(mask.columns.begin(), mask.columns.end(), 0));
+    const auto columns
+        = double(std::count(mask.columns.begin(), mask.columns.end(), 0));
     const double in_lines = std::max(rows * columns / plane.samples(), 1e-300);
     const double pixels = (rows - 1.0) * (columns - 1.0) - field * in_lines;
     mask.freedom.back() = std::max(pixels, 0.0) * left / in_lines;
