@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <mutex>
 
 namespace cg2raw {
 namespace {
@@ -197,22 +198,32 @@ void FrameStatistics::mask(const ParallelFor& parallel)
     finish_look(parallel);
     m_highest = {};
     m_lowest = {};
-    for (int group = 0; group < int(m_groups.size()); ++group)
-        mark_outliers(group, parallel);
+    // Groups side by side; planes, of which there may be one, where there is one group.
+    const ParallelFor serial = parallel_threads(1);
+    const int groups = int(m_groups.size());
+    const ParallelFor& by_group = groups > 1 ? parallel : serial;
+    const ParallelFor& within = groups > 1 ? serial : parallel;
+    std::mutex marking;
+    by_group(groups, [&](int group) {
+        const auto points = outliers(group, within);
+        const std::lock_guard guard(marking);
+        std::transform(points.begin(), points.end(), m_marked.begin(), m_marked.begin(),
+                       std::bit_or<>());
+    });
     m_masks.resize(m_planes.size());
     parallel(int(m_planes.size()), [&](int p) {
         m_masks[std::size_t(p)]
             = mask_of(m_planes[std::size_t(p)], m_marked.data(), m_size.width);
     });
-    for (int group = 0; group < int(m_groups.size()); ++group) {
+    by_group(groups, [&](int group) {
         Look& look = m_looks[std::size_t(group)];
         GroupSums& sums = m_groups[std::size_t(group)];
         std::vector<double> base(look.base);
         for (double& value : base)
             value *= sums.frames;
-        auto means = sums_of(sum_of(group), m_planes, base, parallel);
+        auto means = sums_of(sum_of(group), m_planes, base, within);
         look.filled.resize(m_planes.size());
-        parallel(int(m_planes.size()), [&](int p) {
+        within(int(m_planes.size()), [&](int p) {
             const auto at = std::size_t(p);
             means[at].scale(1.0 / sums.frames);
             const PlaneParts& plane = m_planes[at];
@@ -234,12 +245,13 @@ void FrameStatistics::mask(const ParallelFor& parallel)
             sums.planes[at].base = look.base[at];
             sums.planes[at].mean = std::move(means[at]);
         });
-    }
+    });
 }
 
 /// Of the mean of a group: points beyond what the other parts say, then lines. What is
 /// among them is no transient.
-void FrameStatistics::mark_outliers(int group, const ParallelFor& parallel)
+std::vector<std::uint8_t> FrameStatistics::outliers(int group,
+                                                    const ParallelFor& parallel)
 {
     Look& look = m_looks[std::size_t(group)];
     const int frames = m_groups[std::size_t(group)].frames;
@@ -313,8 +325,7 @@ void FrameStatistics::mark_outliers(int group, const ParallelFor& parallel)
                                    return points[one.at] && !m_excluded[one.at];
                                }),
                 alone.end());
-    std::transform(points.begin(), points.end(), m_marked.begin(), m_marked.begin(),
-                   std::bit_or<>());
+    return points;
 }
 
 } // namespace cg2raw

@@ -130,7 +130,7 @@ private:
 
     void check_size(const Plane<const std::uint16_t>& frame) const;
     void finish_look(const ParallelFor& parallel);
-    void mark_outliers(int group, const ParallelFor& parallel);
+    std::vector<std::uint8_t> outliers(int group, const ParallelFor& parallel);
     void add_frame(int group, const Plane<const std::uint16_t>& frame,
                    const std::vector<Filled>& planes);
     void add_transients(int group, const Plane<const std::uint16_t>& frame);
