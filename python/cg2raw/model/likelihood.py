@@ -61,7 +61,7 @@ class Likelihood:
     def __call__(self, theta: Array) -> Evaluation:
         """Return value, slope and information at a vector of parameters."""
         found = Evaluation(len(theta))
-        if any((plane.offsets(theta)[0][0] <= 0).any() for plane in self.planes):
+        if any((plane.noise(theta) <= 0).any() for plane in self.planes):
             found.value = -np.inf
             return found
         recorded = [plane.records(theta) for plane in self.planes]

@@ -48,7 +48,8 @@ class Block:
     products : (N, N) DN^2, mean over its freedom. terms : (K, N, N), what one unit of
     the parameters at places adds to the covariance; the first @fixed are of patterns,
     the others new in each frame. neighbours : (N, N) DN^2, covariance by correlation
-    of noise with that of neighbours in other planes."""
+    of noise with that of neighbours in other planes. noise_share : (N,) the share of
+    a frame's noise that mean images have."""
 
     part: int
     planes: Sequence[int]
@@ -58,6 +59,7 @@ class Block:
     places: NDArray[np.int64]
     fixed: int
     neighbours: Array
+    noise_share: Array
 
 
 class _Records(NamedTuple):
@@ -143,6 +145,7 @@ class MeanImageLikelihood:
             np.array(places, int),
             len(used[0]),
             self._neighbours(part, sites),
+            self._noise_share(part, sites),
         )
 
     def _neighbours(self, part: int, sites: Sequence[int]) -> Array:
@@ -184,13 +187,12 @@ class MeanImageLikelihood:
     ) -> None:
         """Add what mean images say. recorded : of each plane, records at theta."""
         for block, one, records in self._each(theta, recorded):
-            share = self._noise_share(block)
             is_positive = found.add_wishart(
                 block.products,
                 block.freedom,
                 one.whole,
                 *_slopes_of(block, one, records),
-                share[:, None] * records.slopes[1] + records.slopes[4],
+                block.noise_share[:, None] * records.slopes[1] + records.slopes[4],
             )
             if not is_positive:
                 return
@@ -212,9 +214,8 @@ class MeanImageLikelihood:
             records = known[block.planes]
             yield block, self._covariance(block, theta, records), records
 
-    def _noise_share(self, block: Block) -> Array:
-        """Return (N,) the share of a frame's noise that mean images have."""
-        share = [1 + self.planes[s].correlation[:, block.part] for s in block.planes]
+    def _noise_share(self, part: int, sites: Sequence[int]) -> Array:
+        share = [1 + self.planes[site].correlation[:, part] for site in sites]
         return np.concatenate(share) / np.tile(self.planes[0].frames, len(share))
 
     def _covariance(self, block: Block, theta: Array, records: _Records) -> _Covariance:
@@ -226,7 +227,7 @@ class MeanImageLikelihood:
             terms = terms * np.repeat(scales, (count, len(terms) - count), axis=0)
         values, flat = theta[block.places], terms.reshape(len(terms), -1)
         return _Covariance(
-            np.diag(self._noise_share(block) * noise + steps) + block.neighbours,
+            np.diag(block.noise_share * noise + steps) + block.neighbours,
             terms,
             (values[:count] @ flat[:count]).reshape(size, size),
             (values[count:] @ flat[count:]).reshape(size, size),
@@ -238,6 +239,8 @@ def _slopes_of(
 ) -> tuple[Array, NDArray[np.int64]]:
     """Return (K, N, N) slopes of a covariance by parameters, and their places: of its
     terms, and of what responses depend on."""
+    if not any(records.slopes[by].any() for by in (_response(block), 2)):
+        return one.terms, block.places
     found = dict(zip(block.places.tolist(), one.terms, strict=True))
     for by, of in ((_response(block), one.patterns), (2, one.moving)):
         relative = records.slopes[by] / records.values[by][:, None]

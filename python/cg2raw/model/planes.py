@@ -175,8 +175,7 @@ class PlaneLikelihood:
         charge = theta[gain] * self.time[~self.is_flat]
         by[0, ~self.is_flat, place("dark_current")] = charge
         by[1:, :, place(TEMPORAL[0].name) :] = self.in_places
-        noise = theta[read] + theta[gain] * signal
-        found = np.array([noise, *(by[1:] @ theta)])
+        found = np.array([self.noise(theta), *(by[1:] @ theta)])
         by[1:][found[1:] < 0] = 0.0
         found[1:] = np.maximum(found[1:], 0.0)
         return found, by
@@ -199,6 +198,13 @@ class PlaneLikelihood:
         black = theta[self.parameters.of("black_level", self.site)]
         charge = theta[self.parameters.of("dark_current")] * self.time
         found: Array = np.where(self.is_flat, self.plane.level - black, charge)
+        return found
+
+    def noise(self, theta: Array) -> Array:
+        """Return (G,) DN^2, the variance of a pixel's noise before it is recorded."""
+        place = self.parameters.of
+        read, gain = place("read_noise", self.site), place("gain", self.site)
+        found: Array = theta[read] + theta[gain] * self.signal(theta)
         return found
 
     def records(self, theta: Array) -> tuple[Array, Array]:
