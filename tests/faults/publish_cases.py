@@ -2,9 +2,9 @@
 # Copyright Contributors to the cg2raw Project.
 """Run under the injector: writes a file again and again while calls fail.
 
-publish_cases.py FOLDER LOG ROUTE ERROR ... prints a JSON line of each call that failed:
-which, the error, whether the old bytes are there or the new ones, and what is left in
-the folder.
+publish_cases.py FOLDER LOG ROUTE prints a JSON line of each call that failed: which,
+the error, whether the old bytes are there or the new ones, and what is left in the
+folder.
 """
 
 import errno
@@ -23,6 +23,7 @@ from faults.injector import begin as begin_fault
 from faults.injector import words_of
 
 CALLS = ("open", "write", "pwrite", "fsync", "close", "link", "rename", "fchmod")
+NUMBERS = ("ENOSPC", "EIO", "EDQUOT", "EEXIST")
 NAMING = ("open", "link")  # calls that may find that a name is taken
 OLD = b"what was there before"
 ROW = {"path": "x"}
@@ -82,7 +83,7 @@ def state_of(path, before, after, error):
     return "else"
 
 
-def main(place, log, route, *numbers):
+def main(place, log, route):
     path, log = Path(place) / "shot.dng", Path(log)
     write = ROUTES[route]
     states = (True,) if route == "journal" else (True, False)
@@ -92,7 +93,7 @@ def main(place, log, route, *numbers):
         write(str(path))
         after = contents(path)
         for call, number, sticky, tmpfile in itertools.product(
-            CALLS, numbers, "01", "01"
+            CALLS, NUMBERS, "01", "01"
         ):
             if number == "EEXIST" and call not in NAMING:
                 continue

@@ -45,7 +45,7 @@ def test_darks_that_are_mostly_zero_show_nothing():
     assert set(found) == {"gain 0", "PRNU", "shading"}
 
 
-def test_shading_is_not_told_by_darks_that_are_cut():
+def test_shading_is_of_groups_that_are_not_cut():
     """Darks of noise of 0.5 DN without a pedestal: their shape is recorded in part."""
     found = misses([23], low=True, black=0, noise=0.5)
     ((is_inside, _),) = found["shading"]

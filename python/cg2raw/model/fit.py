@@ -29,7 +29,7 @@ SETTLED = 0.05  # standard errors that nothing moves any more
 UNSETTLED = 3.0  # likewise: of a fit that does not settle
 SAME_LIGHT = 0.05  # relative: flats whose levels differ by less are of one light
 DONE = 1e-5  # nats that a round would gain: 1/200 of a standard error
-GAIN_DONE = 1e-3  # likewise, where only the value is asked for
+GAIN_DONE = 1e-3  # likewise, where only the value counts
 # Of a parameter's own information that the others leave: below, it is not known.
 UNKNOWN = 1e-10
 KNOWN = 1e-6  # likewise: far above, all are known

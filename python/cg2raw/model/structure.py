@@ -60,7 +60,7 @@ def _in_plane(
     weighted = design / (noises[:, PIXEL] / plane.frames)[:, None]
     weights = np.linalg.solve(weighted.T @ design, weighted.T)
     weights = weights[list(signatures).index(wanted)]
-    by_response = (weights * signatures[wanted] * used) @ slopes[7]
+    by_response = (weights * signatures[wanted]) @ slopes[7]
     square = variance = 0.0
     for part in map(int, np.flatnonzero(LOW)):
         freedom = plane.plane.freedom[part]

@@ -161,7 +161,7 @@ class PlaneStatistics:
 
     @cached_property
     def count(self) -> Array:
-        """(8,) coefficients of each part."""
+        """(8,) coefficients of each part but pixel."""
         return np.asarray(self.freedom * self.masked.size / max(self.unmasked, 1))
 
     @cached_property

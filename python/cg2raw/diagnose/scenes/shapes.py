@@ -34,7 +34,7 @@ def full_well(
 
     train, validation : of a model without one."""
     parts = [_bright(points) for points in (train, validation)]
-    y, x, photon, _, _ = parts[0]
+    y, x, photon, *_ = parts[0]
     short = y[(x - y > FAR_BELOW * np.sqrt(photon)) & (y > BRIGHT_ENOUGH)]
     if short.size < LEAST_PILE:
         return 1.0, 0.0, 0.0
@@ -59,7 +59,8 @@ def full_well(
 
 def _bright(points: Sequence[Point]) -> tuple[Array, ...]:
     """Return (signals, expected light, variance by photons, by the read-out, whether at
-    white) of samples that are expected bright, (n,) each."""
+    white, the highest full well that shows) of samples that are expected bright, (n,)
+    each."""
     parts: list[list[Array]] = [[] for _ in range(5)]
     for point in points:
         p = point.prediction
@@ -76,15 +77,15 @@ def _bright(points: Sequence[Point]) -> tuple[Array, ...]:
             )
             for part, one in zip(parts, each, strict=True):
                 part.append(np.broadcast_to(one, used.shape)[used])
-    return tuple(np.concatenate([np.zeros(0), *part]) for part in parts)
+    y, x, s2, rest, at_white = (np.concatenate([np.zeros(0), *part]) for part in parts)
+    highest = np.maximum(x, (x * rest + y * s2) / (s2 + rest)) + NEAR * np.sqrt(s2)
+    return y, x, s2, rest, at_white, np.where(at_white > 0, np.inf, highest)
 
 
 def _gain(samples: tuple[Array, ...], level: float) -> float:
     """Return nats that samples gain by a full well at a level."""
-    y, x, s2, rest, at_white = samples
-    likeliest = np.maximum(x, (x * rest + y * s2) / (s2 + rest))
-    near = (likeliest > level - NEAR * np.sqrt(s2)) | (at_white > 0)
-    y, x, s2, rest, at_white = (one[near] for one in samples)
+    *measured, highest = samples
+    y, x, s2, rest, at_white = (one[highest > level] for one in measured)
     both = s2 + rest
     plain = -0.5 * (y - x) ** 2 / both - 0.5 * np.log(both)
     split = np.sqrt(s2 * rest / both)
