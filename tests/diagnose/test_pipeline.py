@@ -187,6 +187,7 @@ def test_a_profile_with_effects_is_the_base():
     shaded = sensor_of(effects={"lens_shading": old})
     captures = set_of(shaded)
     only = {"only": ("lens_shading", "exposure")}
+    assert run(captures, **only).verdict == "consistent"
     doubted = run(CaptureSet(SENSOR, captures.captures), **only)
     assert [e.name for e in doubted.effects] == ["lens_shading"]
     repaired = Sensor.from_json(doubted.profile_json, "found")

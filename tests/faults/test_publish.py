@@ -13,17 +13,12 @@ import numpy as np
 import pytest
 
 from conftest import oiiotool_runner
-from faults.injector import Injector, compiled
+from faults.injector import Injector
 from images import attributes, write_image
 from tiers import first_fast
 
 CASES = Path(__file__).with_name("publish_cases.py")
 NEW_FILE = {"open", "pwrite", "fsync", "close", "link", "rename", "fchmod"}
-
-
-@pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    return compiled(tmp_path_factory.mktemp("injector"))
 
 
 @pytest.fixture

@@ -40,8 +40,8 @@ def test_a_ctf_is_as_wrong_as_it_says(tmp_path, path):
     )
     assert error.max() * 65535 <= most * 1.2 <= 3.0
     assert error.mean() * 65535 == pytest.approx(mean, rel=0.2)
-    beside = path.parent / "show_raw" / "raw_canon_600d_fl2.ctf"
-    assert (tmp_path / "x.ctf").read_bytes() == beside.read_bytes()
+    expected = path.parent / "show_raw" / "raw_canon_600d_fl2.ctf"
+    assert (tmp_path / "x.ctf").read_bytes() == expected.read_bytes()
 
 
 def test_color_effects_and_gain_are_in_it(tmp_path, repository):

@@ -123,6 +123,7 @@ def test_generated_files_that_are_stale_are_named_and_mended(tmp_path, generate)
     told = {f"{name} is not up to date: run scripts/generate.py" for name in made}
     told |= {f"{gone} is not up to date: run scripts/generate.py"}
     assert (code, set(named.splitlines())) == (1, told)
+    assert generate("--check", tmp_path) == (0, "")
     assert {name: (tmp_path / name).read_text() for name in right} == right
     assert not (tmp_path / gone).exists()
 

@@ -97,7 +97,7 @@ def test_a_fitting_plugin_works(plugin, monkeypatch, is_alone):
     for name in SEARCHED:
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("OIIO_LIBRARY_PATH", str(plugin.parent))
-    if is_alone:  # no other program is asked
+    if is_alone:  # no other program is run
         monkeypatch.setattr(hosts, "programs", lambda name: [f"/usr/bin/{name}"])
         monkeypatch.setattr(hosts, "ASK_PYTHON", "raise SystemExit(1)")
     done = run("doctor", "--json")
