@@ -4,6 +4,8 @@
 /// @file Masked samples of a plane, and what stands in their place.
 #include "cg2raw/frame_parts.h"
 
+#include "lanes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -12,7 +14,8 @@ namespace cg2raw {
 namespace {
 
 constexpr double share_of_line = 0.9; ///< masked, from which a line is masked
-constexpr double settled = 1e-10; ///< DN, that a round of fills moves at most
+constexpr double settled = 1e-6; ///< DN rms, that fills may be from what parts say
+constexpr double least_left = 0.1; ///< of a shape's squares, that tells all of it
 
 /// The nearest line that is not lost, the first of two; itself, if it is not.
 int nearest_left(const std::vector<std::uint8_t>& lost, int line)
@@ -46,29 +49,33 @@ public:
         , m_columns(nearest_of_all(mask.columns))
     {
         for (const std::uint32_t at : mask.samples) {
-            m_places.push_back({ int(at / std::uint32_t(plane.width())),
-                                 int(at % std::uint32_t(plane.width())) });
-            m_values.push_back(sample(m_places.back().row, m_places.back().col));
+            const Site place { int(at / std::uint32_t(plane.width())),
+                               int(at % std::uint32_t(plane.width())) };
+            const int source = m_columns[std::size_t(place.col)];
+            const Run* const last = m_runs.empty() ? nullptr : &m_runs.back();
+            if (last && last->row == place.row && last->col + last->count == place.col
+                && last->source + last->count == source)
+                ++m_runs.back().count;
+            else
+                m_runs.push_back({ place.row, place.col, source, 1 });
+            m_places.push_back(place);
+            m_values.push_back(sample(place.row, place.col));
         }
-        m_across.resize(std::size_t(plane.width()));
-        for (std::size_t x = 0; x < m_across.size(); ++x)
-            for (int k = 0; k < plane.across.in_field(); ++k)
-                m_across[x][std::size_t(k)] = plane.across.of(k + 1)[x];
     }
 
     std::vector<double> run(int rounds)
     {
         fill_points_by_rows();
         copy_lines();
-        for (int round = 0; round < rounds && fill_by_parts() > settled; ++round) { }
+        settle(rounds);
         m_sums.set_field(m_plane);
         return std::move(m_values);
     }
 
 private:
-    struct RowChange {
-        double sum;
-        std::array<double, field_degree> along;
+    /// Masked samples side by side, whose fills come from columns side by side.
+    struct Run {
+        int row, col, source, count;
     };
 
     bool is_point(const Site& at) const
@@ -100,39 +107,80 @@ private:
         }
     }
 
-    /// What the parts say, of a line what they say of the nearest one that is left: so
-    /// that pixel has nothing of it. Returns by how much a sample moves at most.
-    double fill_by_parts()
+    /// Moves the fills to where the parts say what they are. They are those of the
+    /// image with its fills, so that each depends on all. Shapes of which less than
+    /// least_left is outside of the mask are followed in part: whole, they would be
+    /// fitted to the noise of what is left.
+    ///
+    /// Source: G. Golub, R. Varga, Numer. Math. 3, 1961 (Chebyshev semi-iteration).
+    void settle(int rounds)
     {
-        m_sums.set_field(m_plane);
-        const SmoothRows smooth(m_plane, m_sums);
-        double most = 0.0;
-        for (std::size_t i = 0; i < m_values.size();) {
-            const int row = m_places[i].row;
-            const SmoothRow line = smooth.at(m_rows[std::size_t(row)]);
-            RowChange change {};
-            for (; i < m_values.size() && m_places[i].row == row; ++i) {
-                const auto col = std::size_t(m_places[i].col);
-                const auto from = std::size_t(m_columns[col]);
-                double value = line.mean + m_sums.columns[from] / m_plane.height()
-                    - m_sums.sum / m_plane.samples();
-                for (std::size_t k = 0; k < field_degree; ++k)
-                    value += line.along[k] * m_across[from][k];
-                const double more = value - m_values[i];
-                most = std::max(most, std::abs(more));
-                m_sums.columns[col] += more;
-                m_sums.sum += more;
-                m_sums.squares += value * value - m_values[i] * m_values[i];
-                change.sum += more;
-                for (std::size_t k = 0; k < field_degree; ++k)
-                    change.along[k] += more * m_across[col][k];
-                m_values[i] = value;
+        constexpr double middle = (1.0 + least_left) / 2, half = (1.0 - least_left) / 2;
+        const int count = int(m_values.size());
+        std::vector<double> left = said_of(m_sums);
+        for (std::size_t i = 0; i < left.size(); ++i)
+            left[i] -= m_values[i];
+        std::vector<double> moved(left.size()), step(left);
+        for (double& value : step)
+            value /= middle;
+        double ratio = half / middle;
+        for (int round = 0; round < rounds; ++round) {
+            if (dot(left.data(), left.data(), count) <= settled * settled * count)
+                break;
+            const std::vector<double> less = less_of(step);
+            const double next = 1.0 / (2.0 * middle / half - ratio);
+            for (std::size_t i = 0; i < left.size(); ++i) {
+                moved[i] += step[i];
+                left[i] -= less[i];
+                step[i] = next * (ratio * step[i] + 2.0 / half * left[i]);
             }
-            m_sums.rows[std::size_t(row)] += change.sum;
-            for (std::size_t k = 0; k < field_degree; ++k)
-                m_sums.along[std::size_t(row)][k] += change.along[k];
+            ratio = next;
         }
-        return most;
+        for (std::size_t i = 0; i < moved.size(); ++i)
+            put(i, m_values[i] + moved[i]);
+    }
+
+    /// A change, less what the parts then say more.
+    std::vector<double> less_of(const std::vector<double>& change) const
+    {
+        PlaneSums sums;
+        sums.rows.resize(m_sums.rows.size());
+        sums.columns.resize(m_sums.columns.size());
+        sums.along.resize(m_sums.along.size());
+        const double* from = change.data();
+        for (const Run& run : m_runs) {
+            const auto row = std::size_t(run.row);
+            const RowSums found = add_run(from, m_plane.across, run.col, run.count,
+                                          sums.columns.data());
+            sums.rows[row] += found.sum;
+            sums.sum += found.sum;
+            for (std::size_t k = 0; k < field_degree; ++k)
+                sums.along[row][k] += found.along[k];
+            from += run.count;
+        }
+        std::vector<double> less = said_of(sums);
+        for (std::size_t i = 0; i < less.size(); ++i)
+            less[i] = change[i] - less[i];
+        return less;
+    }
+
+    /// What the parts say of masked samples, of a line what they say of the nearest
+    /// one that is left: so that pixel has nothing of it.
+    std::vector<double> said_of(PlaneSums& sums) const
+    {
+        sums.set_field(m_plane);
+        const SmoothRows smooth(m_plane, sums);
+        std::vector<double> said(m_values.size());
+        double* to = said.data();
+        SmoothRow line {};
+        int row = -1;
+        for (const Run& run : m_runs) {
+            if (run.row != row)
+                line = smooth.at(m_rows[std::size_t(row = run.row)]);
+            smooth.run(line, run.source, run.count, to);
+            to += run.count;
+        }
+        return said;
     }
 
     void copy_lines()
@@ -163,7 +211,7 @@ private:
     std::vector<int> m_rows, m_columns; ///< the nearest of each that is left
     std::vector<Site> m_places; ///< of masked samples in the plane
     std::vector<double> m_values;
-    std::vector<std::array<double, field_degree>> m_across; ///< of each column
+    std::vector<Run> m_runs; ///< of places
 };
 
 } // namespace

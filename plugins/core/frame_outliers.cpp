@@ -24,7 +24,7 @@ constexpr std::size_t most_of_spread = 1 << 18; ///< samples tell the spread of 
 constexpr double spread_sigmas = 5.0;
 constexpr int spread_rounds = 5;
 /// Of fills: what is 8 deviations off is by a hundredth of one more or less.
-constexpr int rough_rounds = 6;
+constexpr int rough_rounds = 4;
 
 /// Mean and standard deviation without what is beyond 5 of them. Codes may be few, so
 /// that ranks would not tell.

@@ -21,25 +21,6 @@ void gather(const T* mosaic, int side, int width, double base, double* to)
         to[i] = double(mosaic[std::ptrdiff_t(i) * side]) - base;
 }
 
-struct RowSums {
-    double sum, squares;
-    std::array<double, field_degree> along;
-};
-
-CG2RAW_MULTIVERSION
-RowSums add_row(const double* row, const Polynomials& across, double* columns)
-{
-    const int width = across.length();
-    for (int i = 0; i < width; ++i)
-        columns[i] += row[i];
-    RowSums sums {};
-    sums.sum = total(row, width);
-    sums.squares = dot(row, row, width);
-    for (int k = 0; k < across.in_field(); ++k)
-        sums.along[std::size_t(k)] = dot(row, across.of(k + 1), width);
-    return sums;
-}
-
 /// Of the rows of a plane in a strip of the mosaic.
 struct StripSums {
     std::vector<double> columns;
@@ -70,6 +51,20 @@ std::array<double, 3> squares_of_profile(const std::vector<double>& sums, double
     for (double& square : squares)
         square /= scale;
     return squares;
+}
+
+/// What all parts but pixel have in samples side by side.
+CG2RAW_MULTIVERSION
+void parts_of_run(const SmoothRow& line, const double* columns,
+                  const Polynomials& across, int first, int count, double* to)
+{
+    for (int i = 0; i < count; ++i)
+        to[i] = columns[first + i] + line.mean;
+    for (int k = 0; k < across.in_field(); ++k) {
+        const double* const of_degree = across.of(k + 1) + first;
+        for (int i = 0; i < count; ++i)
+            to[i] += line.along[std::size_t(k)] * of_degree[i];
+    }
 }
 
 } // namespace
@@ -111,6 +106,20 @@ PartSquares PlaneParts::freedom() const
     return {
         rows[0], columns[0], rows[1], columns[1], rows[2], columns[2], field, pixel
     };
+}
+
+CG2RAW_MULTIVERSION
+RowSums add_run(const double* samples, const Polynomials& across, int first, int count,
+                double* columns)
+{
+    for (int i = 0; i < count; ++i)
+        columns[first + i] += samples[i];
+    RowSums sums {};
+    sums.sum = total(samples, count);
+    sums.squares = dot(samples, samples, count);
+    for (int k = 0; k < across.in_field(); ++k)
+        sums.along[std::size_t(k)] = dot(samples, across.of(k + 1) + first, count);
+    return sums;
 }
 
 void PlaneSums::replace(const PlaneParts& plane, int row, int col, double from,
@@ -185,23 +194,20 @@ SmoothRow SmoothRows::at(int y) const
 
 double SmoothRows::of(const SmoothRow& line, int x) const
 {
-    double found = m_columns[std::size_t(x)] + line.mean;
-    for (int k = 0; k < m_plane.across.in_field(); ++k)
-        found += line.along[std::size_t(k)] * m_plane.across.of(k + 1)[x];
+    double found;
+    run(line, x, 1, &found);
     return found;
+}
+
+void SmoothRows::run(const SmoothRow& line, int first, int count, double* to) const
+{
+    parts_of_run(line, m_columns.data(), m_plane.across, first, count, to);
 }
 
 void SmoothRows::row(int y, std::vector<double>& to) const
 {
-    const SmoothRow line = at(y);
     to.resize(m_columns.size());
-    for (std::size_t x = 0; x < to.size(); ++x)
-        to[x] = m_columns[x] + line.mean;
-    for (int k = 0; k < m_plane.across.in_field(); ++k) {
-        const double* const across = m_plane.across.of(k + 1);
-        for (std::size_t x = 0; x < to.size(); ++x)
-            to[x] += line.along[std::size_t(k)] * across[x];
-    }
+    run(at(y), 0, int(to.size()), to.data());
 }
 
 PartSquares squares_of_parts(const PlaneParts& plane, const PlaneSums& sums)
@@ -240,8 +246,8 @@ sums_of(const Plane<const T>& image, const std::vector<PlaneParts>& planes,
                 to.columns.resize(std::size_t(plane.width()));
                 gather(image.row(r) + q, plane.side, plane.width(), base[p],
                        row.data());
-                const RowSums found
-                    = add_row(row.data(), plane.across, to.columns.data());
+                const RowSums found = add_run(row.data(), plane.across, 0,
+                                              plane.width(), to.columns.data());
                 const auto y = std::size_t(r / plane.side);
                 sums[p].rows[y] = found.sum;
                 sums[p].along[y] = found.along;

@@ -71,6 +71,16 @@ struct PlaneParts {
     PartSquares freedom() const;
 };
 
+/// Sums over samples of a row, with the field's polynomials across, too.
+struct RowSums {
+    double sum, squares;
+    std::array<double, field_degree> along;
+};
+
+/// Of @p count samples side by side from column @p first on; adds each to its column.
+RowSums add_run(const double* samples, const Polynomials& across, int first, int count,
+                double* columns);
+
 /// Sums over an image of one plane, of samples less a base.
 struct PlaneSums {
     std::vector<double> rows, columns;
@@ -99,6 +109,8 @@ public:
     SmoothRows(const PlaneParts& plane, const PlaneSums& sums);
     SmoothRow at(int y) const;
     double of(const SmoothRow& line, int x) const;
+    /// Of @p count samples of a row, from column @p first on.
+    void run(const SmoothRow& line, int first, int count, double* to) const;
     void row(int y, std::vector<double>& to) const;
 
 private:
@@ -129,10 +141,11 @@ PlaneMask mask_of(const PlaneParts& plane, std::uint8_t* marked, int pitch);
 
 /// Fills masked samples of an image whose sums have them as they are: points by all
 /// parts but pixel, lines by the nearest that is none. @p sample: (row, col) -> sample
-/// less base. @p rounds: of fills at most, each of which moves what the next is made
-/// from. Returns what is filled in. Throws Error where nothing is left.
+/// less base. @p rounds: of the solver at most, so few that shapes of which hardly
+/// anything is left are not fitted to its noise. Returns what is filled in. Throws
+/// Error where nothing is left.
 std::vector<double> fill(const PlaneParts& plane, const PlaneMask& mask,
                          const std::function<double(int row, int col)>& sample,
-                         PlaneSums& sums, int rounds = 40);
+                         PlaneSums& sums, int rounds = 20);
 
 } // namespace cg2raw
