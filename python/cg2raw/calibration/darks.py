@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import tukeylambda
+from scipy.special import beta
 
 from cg2raw.calibration.fitting import Fitted, of_all
 from cg2raw.calibration.measured import Array, Measured
@@ -279,10 +279,14 @@ def tails_of(seen: Seen, number: int) -> Tails:
 
 
 def lambda_of(excess_kurtosis: float) -> float:
-    """Return the lambda, LEAST_LAMBDA to 0.5, of Tukey's law with such tails."""
-    grid = np.linspace(LEAST_LAMBDA, 0.5, 701)
-    found = tukeylambda.stats(grid, moments="k")
-    return float(np.interp(-excess_kurtosis, -found, grid))
+    """Return the lambda, LEAST_LAMBDA to 0.5, of Tukey's law with such tails.
+
+    Source: B. Joiner, J. Rosenblatt, J. Am. Stat. Assoc. 66(334), 1971 (moments)."""
+    grid = np.linspace(LEAST_LAMBDA, 0.5, 140)  # without 0, where moments are limits
+    one, two, three = grid + 1, 2 * grid + 1, 3 * grid + 1
+    square = 2 / two - 2 * beta(one, one)
+    fourth = 2 / (4 * grid + 1) - 8 * beta(three, one) + 6 * beta(two, two)
+    return float(np.interp(-excess_kurtosis, 3 - fourth / square**2, grid))
 
 
 def dark_spread(rates: DarkRates, gain: float) -> DarkSpread:

@@ -55,14 +55,15 @@ def clipped_moments(values: Array) -> tuple[float, float]:
     """Return mean and standard deviation of what lies within 4 sigma.
 
     values : any shape, finite. Median and MAD are a start alone."""
-    flat = values.ravel()
+    flat = values.ravel().astype(np.float64, copy=False)
     some = flat[:: max(1, flat.size // ENOUGH)]
     mean, before = float(np.median(some)), (0, 0.0)
     sigma = MAD * float(np.median(np.abs(some - mean)))
     for _ in range(ROUNDS):
         kept = flat[np.abs(flat - mean) <= CUT * sigma]
-        mean = float(kept.mean(dtype=np.float64))
-        sigma = max(float(kept.std(dtype=np.float64)) / math.sqrt(LEFT), 1e-12)
+        mean = float(kept.sum()) / kept.size
+        kept -= mean
+        sigma = max(math.sqrt(float(kept @ kept) / kept.size / LEFT), 1e-12)
         if before == (before := (kept.size, mean)):
             break
     return mean, sigma

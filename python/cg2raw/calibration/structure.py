@@ -27,6 +27,7 @@ EXTENTS = np.geomspace(0.03, 1.0, 15)  # half diagonals of the frame
 PLACES = tuple((r, c) for r in (-1.0, 0.0, 1.0) for c in (-1.0, 0.0, 1.0) if r or c)
 ROUNDS = 8
 LARGEST_STEP = 0.3  # of the logarithm of a length in one round
+SETTLED = 1e-6
 AT_END = 0.999  # of the longest length that is tried: it may be longer
 CERTAIN = 5.0  # standard errors: of the best of 120 places and extents
 
@@ -52,6 +53,8 @@ def fit_decay(
         step = change / height if height else 0.0
         length *= math.exp(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
         length = float(np.clip(length, lengths[0], lengths[-1]))
+        if abs(step) < SETTLED:
+            break
     errors = np.sqrt(np.maximum(np.diag(found.covariance), 0))
     errors[-1] *= length / max(abs(height), 1e-300)
     return found, height, length, errors

@@ -19,8 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from scipy.special import ndtr, ndtri
-from scipy.stats import chi2, t
+from scipy.special import chdtri, ndtr, ndtri, stdtrit
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]
@@ -318,7 +317,7 @@ def intervals(
     shares = np.array([ours / len(both[0]), theirs / len(both[1])])
     lengths = np.array([len(levels) for levels in both])
     freedom = shares.sum() ** 2 / max(np.sum(shares**2 / (lengths - 1)), 1e-30)
-    half = float(t.ppf((1 + LEVEL) / 2, max(freedom, 1))) * math.sqrt(shares.sum())
+    half = float(stdtrit(max(freedom, 1), (1 + LEVEL) / 2)) * math.sqrt(shares.sum())
     least = ours - theirs - math.hypot(ours - ours_low, theirs_high - theirs)
     most = ours - theirs + math.hypot(ours_high - ours, theirs - theirs_low)
     roots = math.sqrt(max(least, 0)), math.sqrt(max(most, 0))
@@ -337,5 +336,5 @@ def variance(levels: Array) -> tuple[float, float, float]:
     kurtosis = float(np.mean((levels - levels.mean()) ** 4)) / float(levels.var()) ** 2
     freedom = min(2 * count / max(kurtosis - (count - 3) / count, 0.5), count - 1)
     tails = (1 + LEVEL) / 2, (1 - LEVEL) / 2
-    low, high = (square * freedom / float(chi2.ppf(tail, freedom)) for tail in tails)
+    low, high = (square * freedom / float(chdtri(freedom, 1 - tail)) for tail in tails)
     return square, low, high

@@ -105,7 +105,7 @@ def _fitted(of_counts: bytes, shot: float, uneven: bool, hot: bool) -> DarkLaw:
     wide = max(quantile(counts, 0.9), 1.0)
     if not hot:
         used = np.array([True, uneven, uneven, False, False])
-        sizes = ((wide / 2, 0.8), (0.1, 1.6)) if uneven else ((1.0, 1.0),)
+        sizes = [(wide / 2, 0.8), (0.1, 1.6)] if uneven else [(1.0, 1.0)]
         starts = [[size, sigma, LEAST_HOT, FAR] for size, sigma in sizes]
         found, shift = [], 0.0
     else:
@@ -113,7 +113,8 @@ def _fitted(of_counts: bytes, shot: float, uneven: bool, hot: bool) -> DarkLaw:
         used = np.array([True, uneven, uneven, True, True])
         high = max(quantile(counts, 0.999), FAR)
         # Without hot pixels, those that are make the law of all a wide one.
-        sizes = ((best.rate or 1.0, best.log_sigma), (wide / 2, 0.8))
+        sizes = [(best.rate or 1.0, best.log_sigma)]
+        sizes += [(wide / 2, 0.8)] if uneven else []
         starts = [[*each, n, high] for each in sizes for n in (1e-2, 1e-4)]
         found, shift = [best], best.shift
     for start in starts:

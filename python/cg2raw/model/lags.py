@@ -12,7 +12,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
-from scipy.signal import correlate2d
 
 from cg2raw.model.fit import Fit, Prior
 from cg2raw.model.smallest_set import gains_in_smallest_set
@@ -151,7 +150,8 @@ def shared_by(blend: float, diagonal: float) -> Array:
     one colour down and across."""
     kernel = np.array([diagonal, blend, diagonal]) / 4
     kernel = np.stack([kernel, [blend / 4, 1 - blend - diagonal, blend / 4], kernel])
-    found = correlate2d(kernel, kernel)
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(kernel, 2), (3, 3))
+    found = np.einsum("ijkl,kl", windows, kernel)
     return np.asarray(found / found[2, 2])
 
 

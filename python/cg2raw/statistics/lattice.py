@@ -36,7 +36,7 @@ def lattice_of(light: Image, side: int) -> Lattice | None:
     variance = float((clipped**2).sum() / known.sum()) or 1.0
     most, best, near, tried = 0.0, 0, known, 0
     for pitch in PITCHES:
-        counts = folded(known.astype(np.float32), pitch)
+        counts = folded(known, pitch)
         sums = folded(clipped, pitch)
         squares = sums**2 / np.maximum(counts, 1) * (counts >= FEWEST)
         tried += int((counts >= FEWEST).sum())
@@ -71,11 +71,13 @@ def _beside_neighbours(light: Image, side: int) -> Image:
     return found
 
 
-def folded(values: Image, pitch: int) -> NDArray[np.float64]:
+def folded(values: Image | NDArray[np.bool_], pitch: int) -> NDArray[np.float64]:
     """Return (pitch, pitch) sums of values (H, W) over each lattice."""
-    h, w = (-(-length // pitch) * pitch for length in values.shape)
-    padded = np.zeros((h, w), np.float32)
-    padded[: values.shape[0], : values.shape[1]] = values
-    cells = padded.reshape(h // pitch, pitch, w // pitch, pitch)
-    found: NDArray[np.float64] = cells.sum(axis=(0, 2), dtype=np.float64)
+    found: NDArray[Any] = values
+    for _ in range(2):  # rows, then columns
+        whole = len(found) // pitch * pitch
+        cells = found[:whole].reshape(-1, pitch, found.shape[1])
+        sums = cells.sum(axis=0, dtype=np.float64)
+        sums[: len(found) - whole] += found[whole:]
+        found = sums.T
     return found

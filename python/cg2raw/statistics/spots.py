@@ -69,23 +69,21 @@ def spots_of(light: Image, side: int, left_out: NDArray[np.bool_]) -> Spots:
     least = float(np.sqrt(2 * np.log(tried / CHANCE)))
     white, all_of_it = np.array([_noise_of(float(one)) for one in SIZES]), weights
     spots: list[Found] = []
-    for _ in range(ROUNDS):
+    for number in range(ROUNDS + 1):
         rest = _without_slow(values, weights)
-        more = list(_new_spots(rest, weights, white, least))
-        if not more:
+        deviations = list(_deviations(rest, weights))
+        more = list(_new_spots(rest, weights, deviations, white, least))
+        if not more or number == ROUNDS:
             break
         spots += more
         weights = all_of_it * ~_covered(spots, np.ones_like(white), values.shape)
     # Where the rest of the frame is no white noise, spots must stand out of what it is.
-    rest = _without_slow(values, weights)
     noises = np.array(
         [
             max(1.0, MAD * float(np.median(np.abs(away[enough]))) / of_white)
             if enough.any()
             else np.inf
-            for (away, enough), of_white in zip(
-                _deviations(rest, weights), white, strict=True
-            )
+            for (away, enough), of_white in zip(deviations, white, strict=True)
         ]
     )
     # What is slow may bend more than was known with spots left out: it explains those
@@ -186,16 +184,19 @@ def _deviations(
 
 
 def _new_spots(
-    rest: Array, weights: Array, noises: Array, least: float
+    rest: Array,
+    weights: Array,
+    deviations: Sequence[tuple[Array, NDArray[np.bool_]]],
+    noises: Array,
+    least: float,
 ) -> Iterator[Found]:
     """Yield what stands out most at any size, each for itself: none that may be a ring
-    around a stronger one, or what is left between many. noises : of each size."""
+    around a stronger one, or what is left between many. deviations, noises : of
+    each size, those of _deviations and of white noise."""
     strength = np.array(
         [
             np.where(enough, away / noise, 0.0)
-            for (away, enough), noise in zip(
-                _deviations(rest, weights), noises, strict=True
-            )
+            for (away, enough), noise in zip(deviations, noises, strict=True)
         ]
     )
     sign = 1 if strength.max() > -strength.min() else -1

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import helmert
 from scipy.optimize import minimize
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from cg2raw.diagnose.captures.capture import Capture
 from cg2raw.diagnose.captures.splits import GROUPS
@@ -84,7 +84,7 @@ class Waves:
         score, information = self.each
         solved = np.linalg.pinv(information, hermitian=True) @ score[..., None]
         squares = (score * solved[..., 0]).sum(axis=(0, 2))
-        return max(float(np.median(squares) / chi2.median(2 * len(score))), 1.0)
+        return max(float(np.median(squares) / chdtri(2 * len(score), 0.5)), 1.0)
 
     def fitted(self, factor: float) -> Array:
         """Return (amplitude, period) of most evidence. factor : of noise."""

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial.legendre import legval
+from scipy import fft
 from scipy.ndimage import correlate1d
-from scipy.signal import fftconvolve
 
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.effects import mains_flicker
@@ -179,8 +179,9 @@ def wings(camera: Array) -> Array:
     kernel /= kernel.sum()
     around = [(0, 0), (0, 0), (reach, reach), (reach, reach)]
     wide = np.pad(camera, around, mode="symmetric")
-    spread = fftconvolve(wide, kernel[None, None], mode="valid", axes=(2, 3))
-    return np.asarray(spread - camera)
+    size = wide.shape[2:]
+    spread = fft.irfft2(fft.rfft2(wide) * fft.rfft2(kernel, size), size)
+    return np.asarray(spread[:, :, 2 * reach :, 2 * reach :] - camera)
 
 
 def pose_of(found: Mapping[str, float]) -> Array:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.scenes.gram import Array, Normal
@@ -121,7 +121,7 @@ class Residuals:
     def _test(self, name: str, squares: float, freedom: float) -> ResidualTest:
         nats = 0.5 * (squares - freedom) / max(self.samples, 1)
         where = WHERE[name]
-        p_value = float(chi2.sf(squares, freedom))
+        p_value = float(chdtrc(freedom, squares))
         return ResidualTest(name, squares / freedom - 1, p_value, nats, where)
 
 

@@ -15,7 +15,7 @@ from functools import cache
 from itertools import combinations
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from cg2raw.diagnose.scenes.gram import Array, Gram, Space
 
@@ -163,7 +163,7 @@ def _log_chance(square: float, freedom: int) -> float:
     """Return the logarithm of the chance that chi-square is as large; where a float
     does not hold that, by the first term of its series."""
     if square < UNDERFLOWS:
-        return float(chi2.logsf(square, freedom))
+        return math.log(chdtrc(freedom, square))
     half = square / 2
     return (freedom / 2 - 1) * math.log(half) - half - math.lgamma(freedom / 2)
 

@@ -6,7 +6,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from math import exp, log, sqrt
 
-from scipy.stats import chi2, norm
+from scipy.special import chdtr, chdtrc, ndtr
 
 from cg2raw.diagnose.diagnosis import (
     CHI_SQUARE,
@@ -73,7 +73,7 @@ def chi_square_test(
         ResidualTest(
             CHI_SQUARE_NAME,
             chi_square,
-            float(2 * norm.sf(abs(away) / error)),
+            float(2 * ndtr(-abs(away) / error)),
             nats,
             f"the residuals are {text} than the noise that is predicted",
         )
@@ -98,7 +98,7 @@ def tests_of(held_out: Fit, fitted: Fit, samples: int) -> list[ResidualTest]:
 def _test(one: Misfit, group: GroupInfo, share: float, samples: int) -> ResidualTest:
     """share : of the freedom that the error of the fit leaves."""
     freedom, squares = one.freedom * share, one.squares * share
-    p_value = 2 * min(chi2.sf(squares, freedom), chi2.cdf(squares, freedom), 0.5)
+    p_value = 2 * min(chdtrc(freedom, squares), chdtr(freedom, squares), 0.5)
     away = one.ratio - 1
     text = f"{abs(away):.1%} {'more' if away > 0 else 'less'} variance than predicted "
     if one.what == "noise":
