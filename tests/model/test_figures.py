@@ -8,9 +8,11 @@ from scipy.stats import binom
 
 from cg2raw.model.figures import figures_of
 from cg2raw.model.fit import fit
+from cg2raw.model.structure import structure_of
 from cg2raw.statistics.constant import GroupInfo
 from cg2raw.statistics.frame_statistics import frame_statistics
 from model.coverage import misses
+from model.planted import planted
 from tiers import first_fast
 
 
@@ -29,7 +31,9 @@ def test_a_planted_sensor_is_found(side, sets):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("options", [{}, {"low": True, "black": 64, "noise": 0.4}])
+@pytest.mark.parametrize(
+    "options", [{}, *({"low": True, "black": b, "noise": 0.25} for b in (64, 0))]
+)
 def test_intervals_hold_in_95_of_100_sets(options):
     """Of 400 sets 93 to 97 %, and what chance makes of 95 % in one of 100 figures. That
     of the dark current is wide: Student's of few frames, and widened by what levels
@@ -80,3 +84,21 @@ def test_darks_of_two_splits_repeat_each_other():
     figures = {one.name: one for one in figures_of(statistics, fit(statistics))}
     drift = figures["black level drift"].value
     assert drift == pytest.approx(np.std(levels, ddof=1), rel=0.02)
+
+
+def test_shading_is_known_no_better_than_the_light_of_its_flats():
+    """Of flats of one light: relative to that, which their level's drift moves."""
+    made = planted(4)
+    statistics = made._replace(groups=made.groups[:-1]).statistics
+    found = fit(statistics)
+    place = found.parameters.of("black_level_drift")
+    errors = []
+    for drift in (0.0, 100.0):
+        found.theta[place] = drift
+        square, error = structure_of(found, "light")
+        errors.append(error)
+    (plane,) = found.likelihood.planes
+    by_level = 100.0 / statistics.frames[-1] / plane.light[-1] ** 2
+    grown = errors[1] ** 2 - errors[0] ** 2
+    assert grown == pytest.approx(4 * square**2 * by_level, rel=0.02)
+    assert grown > errors[0] ** 2

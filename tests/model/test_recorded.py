@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from cg2raw.model.recorded import (
+    FINE_CODES,
     Offsets,
+    Profiles,
     Recording,
     differences,
     recorded,
@@ -15,6 +17,7 @@ from cg2raw.model.recorded import (
 from cg2raw.statistics.constant import PLACES
 
 WHITE = 4095
+EVEN = Profiles(np.zeros(1), np.zeros(1))  # lines are all alike
 
 
 @pytest.mark.parametrize("sigma", [0.25, 0.4, 0.8])
@@ -77,7 +80,9 @@ def test_a_group_is_what_is_drawn(black, drift, lines, fixed, frames, charged):
     about = Offsets(sigma**2, lines**2, fixed**2, charged)
     levels, rows = codes.mean(axis=(1, 2)), codes.mean(axis=(0, 2))
     places = np.quantile(rows - rows.mean(), PLACES)
-    recorder = recorder_of(levels, places, about, codes.var(), WHITE, black < 9)
+    profiles = Profiles(rows - rows.mean(), np.zeros(60))
+    given = levels, places, profiles, about, codes.var(), WHITE, black < 9
+    recorder = recorder_of(*given)
     values, slopes = recorder(about)
     found = Recording(*values)
     assert found.place == pytest.approx(black, abs=0.01)
@@ -109,9 +114,44 @@ def test_noise_that_neighbours_have_in_common_is_recorded_by_both():
     codes -= codes.mean(axis=1, keepdims=True)
     covariance = (codes[0] * codes[1]).mean() * shape[1] / (shape[1] - 1)
     about = Offsets(sigma**2, 0.0, fixed**2)
-    one = recorder_of(level, np.zeros(1), about, 0.2, WHITE, False)
-    found = Recording(*one(about)[0]).noise ** 2
+    one = recorder_of(level, np.zeros(1), EVEN, about, 0.2, WHITE, False)
+    found = Recording(*one(about)[0]).across ** 2
     assert found == pytest.approx(covariance / (common * sigma**2), rel=0.1)
+
+
+def test_lines_are_recorded_by_where_all_of_their_pixels_are():
+    """Rows cross columns that are all over a code, columns lie each in one place; the
+    next column lies elsewhere, the next row does not. Of 40 frames of 300 x 300."""
+    rng, sigma, moved = np.random.default_rng(8), 0.2, 0.08
+    size, frames = 300, 40
+    columns = np.tile(0.3 * np.sin(0.5 * np.arange(size)), (size, 1))
+    of_rows, of_columns = moved * rng.standard_normal((2, frames, size))
+    signal = 64.3 + columns + of_rows[:, :, None] + of_columns[:, None]
+    noise = sigma * rng.standard_normal((frames, size, size))
+    codes = np.rint(signal + noise)
+    levels, mean = codes.mean(axis=(1, 2)), codes.mean(axis=0)
+    mean -= mean.mean()
+    about = Offsets(sigma**2, 2 * moved**2, 0.0)
+    profiles = Profiles(mean.mean(axis=1), mean.mean(axis=0))
+    places = np.quantile(mean, PLACES)
+    one = recorder_of(levels, places, profiles, about, codes.var(), WHITE, False)
+    found = Recording(*one(about)[0])
+    rest = codes - codes.mean(axis=0)
+    for axis, moves, response in (
+        (2, of_rows, found.rows),
+        (1, of_columns, found.columns),
+    ):
+        lines = rest.mean(axis=axis)
+        lines -= lines.mean(axis=1, keepdims=True)
+        power = lines.var() * frames / (frames - 1) - rest.var() / size
+        assert response == pytest.approx(np.sqrt(power / moves.var()), rel=0.02)
+    assert found.columns > 1.05 * found.rows
+    # What rows are recorded by where columns are, next columns have in common in part.
+    rest -= rest.mean(axis=2, keepdims=True)
+    rest -= rest.mean(axis=1, keepdims=True)
+    power = (rest[:, :, 1:] * rest[:, :, :-1]).mean() * frames / (frames - 1)
+    assert power == pytest.approx(of_rows.var() * found.in_rows, rel=0.1)
+    assert found.down > 1.03 * found.across
 
 
 def test_two_frames_have_a_spread_of_response():
@@ -119,19 +159,24 @@ def test_two_frames_have_a_spread_of_response():
     about = Offsets(0.04, 0.0, 0.01)
     each = []
     for level in (64.1, 64.5):
-        one = recorder_of(np.full(1, level), np.zeros(1), about, 0.1, WHITE, False)
-        each.append(one(about)[0][3])
+        one = recorder_of(
+            np.full(1, level), np.zeros(1), EVEN, about, 0.1, WHITE, False
+        )
+        each.append(Recording(*one(about)[0]).fixed)
     both = np.array([64.1, 64.5])
-    values, _ = recorder_of(both, np.zeros(1), about, 0.1, WHITE, False)(about)
-    assert values[6] == pytest.approx((each[1] - each[0]) ** 2 / 2, rel=0.1)
+    values, _ = recorder_of(both, np.zeros(1), EVEN, about, 0.1, WHITE, False)(about)
+    assert Recording(*values).fading == pytest.approx(
+        (each[1] - each[0]) ** 2 / 2, rel=0.1
+    )
 
 
 def test_fine_codes_need_no_table():
     about, levels, places = Offsets(4.0, 0.1, 0.1), np.full(1, 200.0), np.zeros(1)
-    values, slopes = recorder_of(levels, places, about, 4.0, WHITE, False)(about)
-    assert Recording(*values) == (200.0, 4.0 + 1 / 12, 1.0, 1.0, 0.0, 1.0, 0.0, 1.0)
+    values, slopes = recorder_of(levels, places, EVEN, about, 4.0, WHITE, False)(about)
+    fine = FINE_CODES._replace(place=200.0, variance=4.0 + 1 / 12)
+    assert Recording(*values) == fine
     assert slopes.sum() == slopes[1, 0] == 1
-    table = recorder_of(levels, places, about, 1.0, WHITE, False)
+    table = recorder_of(levels, places, EVEN, about, 1.0, WHITE, False)
     np.testing.assert_allclose(table(about)[0], values, rtol=1e-4, atol=1e-9)
 
 

@@ -106,8 +106,8 @@ def _drift(statistics: ConstantStatistics, found: Fit) -> Figure:
         for some in [darks] if len(splits) == len(darks) else darks[:, None]:
             each = [np.concatenate([p.plane.levels[g] for g in some]) for p in planes]
             levels = np.mean(each, axis=0)
-            records = [plane.records(found.theta)[0][3, some] for plane in planes]
-            response = float(np.mean(records))
+            records = [plane.records(found.theta).values for plane in planes]
+            response = float(np.mean([one.fixed[some] for one in records]))
             again = len(levels) - 1
             total += float(levels.var(ddof=1)) * again / response**2
             noise = float(found.likelihood.levels.noise[0][some].mean())
@@ -151,12 +151,12 @@ def _noise(found: Fit) -> Iterator[Figure]:
         shortest = int(np.argmin(np.where(plane.is_flat, np.inf, plane.time)))
         records, slopes = plane.records(found.theta)
         of_lines = [found.parameters.of(n) for n in ("row_noise", "column_noise")]
-        slope = slopes[1, shortest]
+        slope = slopes.variance[shortest]
         slope[of_lines] += 1.0
         yield _root(
             "temporal dark noise",
             "DN",
-            float(records[1, shortest] + found.theta[of_lines].sum()),
+            float(records.variance[shortest] + found.theta[of_lines].sum()),
             float(np.sqrt(found.variance_of(slope))),
             site=site,
         )
@@ -171,8 +171,6 @@ def _correlations(statistics: ConstantStatistics, found: Fit) -> Iterator[Figure
     if not len(used):
         return
     pairs = statistics.pairs[used].astype(float)
-    each = [_coded(found, plane) for plane in found.likelihood.planes]
-    coded, slopes = (np.mean(some, 0)[used] for some in zip(*each, strict=True))
     for name, lag in (
         ("correlation, next in row", (0, 1)),
         ("correlation, next in column", (1, 0)),
@@ -180,22 +178,42 @@ def _correlations(statistics: ConstantStatistics, found: Fit) -> Iterator[Figure
         measured = neighbours(statistics, *lag)
         if measured is None:
             continue
-        values = measured[used] / coded
+        each = [_unrecorded(found, p, lag, measured) for p in found.likelihood.planes]
+        values, slopes, coded = (
+            np.mean(some, axis=0)[used] for some in zip(*each, strict=True)
+        )
         value = float(np.average(values, weights=pairs))
-        slope = np.average(values[:, None] * slopes, axis=0, weights=pairs)
+        slope = np.average(slopes, axis=0, weights=pairs)
         own = 1 / (pairs.sum() * statistics.unmasked) / coded.mean() ** 2
         error = float(np.sqrt(own + found.variance_of(slope)))
         yield Figure.normal(name, "1", value, error)
 
 
-def _coded(found: Fit, plane: PlaneLikelihood) -> tuple[Array, Array]:
-    """Return (G,) the correlation of codes over that of the noise that they record, and
-    (G, n) slopes of its logarithm."""
+def _unrecorded(
+    found: Fit, plane: PlaneLikelihood, lag: tuple[int, int], measured: Array
+) -> tuple[Array, Array, Array]:
+    """Return (G,) correlations of the noise that codes with @measured ones record,
+    (G, n) their slopes by parameters, and (G,) what one of 1 is recorded as.
+
+    The offset of a line moves neighbours in it more, or less, than all of it on
+    average: that is not of their noise."""
     (noise, *_), (by, *_) = plane.offsets(found.theta)
-    records, slopes = plane.records(found.theta)
-    coded = noise * records[5] ** 2 / records[1]
-    relative = by.T / noise + 2 * slopes[5].T / records[5] - slopes[1].T / records[1]
-    return coded, relative.T
+    at, moving = plane.records(found.theta)
+    if lag == (0, 1):
+        line, near, beyond = "row_noise", at.across, at.in_rows
+        by_near, by_beyond = moving.across, moving.in_rows
+    else:
+        line, near, beyond = "column_noise", at.down, at.in_columns
+        by_near, by_beyond = moving.down, moving.in_columns
+    place = found.parameters.of(line)
+    size = max(float(found.theta[place]), 0.0)
+    coded = noise * near**2
+    values = (measured * at.variance - size * beyond) / coded
+    slopes = measured[:, None] * moving.variance - size * by_beyond
+    slopes[:, place] -= beyond
+    by_coded = by * near[:, None] ** 2 + 2 * (noise * near)[:, None] * by_near
+    slopes -= values[:, None] * by_coded
+    return values, slopes / coded[:, None], coded / at.variance
 
 
 def _patterns(found: Fit) -> Iterator[Figure]:

@@ -16,6 +16,7 @@ from cg2raw.model.components import FIXED, TEMPORAL
 from cg2raw.model.evaluation import Evaluation, Parameters
 from cg2raw.model.likelihood import Likelihood
 from cg2raw.model.planes import PlaneLikelihood
+from cg2raw.model.recorded import fine_records
 from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import PIXEL, Array, ConstantStatistics
 
@@ -378,10 +379,9 @@ def _start_noise(
         theta[gain] = profile[gain]
     names = [place(c.name) for c in TEMPORAL]
     columns = [n for n in (read, gain, *names) if free[n]]
-    records, slopes = np.ones((8, len(signal))), np.zeros((8, len(signal), len(theta)))
-    slopes[1, :, read], slopes[1, :, gain] = 1.0, signal
-    records[6] = 0.0
-    _, by = plane.temporal(theta, records, slopes)
+    by_variance = np.zeros((len(signal), len(theta)))
+    by_variance[:, read], by_variance[:, gain] = 1.0, signal
+    _, by = plane.temporal(theta, *fine_records(by_variance))
     freedom = plane.freedom.copy()
     single = plane.measured & ~plane.repeats
     freedom[single, PIXEL] = plane.plane.freedom[PIXEL]

@@ -10,6 +10,7 @@ import numpy as np
 
 from cg2raw.model.evaluation import Evaluation
 from cg2raw.model.planes import PlaneLikelihood
+from cg2raw.model.recorded import Records
 from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import PIXEL, Array, ConstantStatistics
 
@@ -66,16 +67,16 @@ class LevelLikelihood:
         self,
         found: Evaluation,
         theta: Array,
-        recorded: Sequence[tuple[Array, Array]],
+        recorded: Sequence[Records],
     ) -> None:
         """Add what darks' levels say. recorded : of each plane, records at theta."""
         if not len(self.darks):
             return
         at, g, count = self.parameters.of, self.darks, len(self.planes)
         blacks = self.parameters.each("black_level")
-        places = np.array([records[0, g] for records, _ in recorded])
-        response = np.mean([records[3, g] for records, _ in recorded], axis=0)
-        by_place = np.array([slopes[0, g] for _, slopes in recorded])
+        places = np.array([one.values.place[g] for one in recorded])
+        response = np.mean([one.values.fixed[g] for one in recorded], axis=0)
+        by_place = np.array([one.slopes.place[g] for one in recorded])
         floor, rest = ((noise[g] + self.unsure) / response**2 for noise in self.noise)
         for axis in range(count):
             weights = self.turn[axis]
@@ -149,7 +150,8 @@ class LevelLikelihood:
             return None
         freedom = int(self.frames.sum()) - self.parameters_of_means
         left = len(self.darks) - self.parameters_of_means
-        levels = np.mean([p.records(theta)[0][0, self.darks] for p in self.planes], 0)
+        places = [plane.records(theta).values.place for plane in self.planes]
+        levels = np.mean(places, axis=0)[self.darks]
         black = theta[self.parameters.each("black_level")].mean()
         on_line = black + theta[self.parameters.of("dark_current")] * self.time
         floor = self.noise[0][self.darks]

@@ -24,11 +24,13 @@ from cg2raw.model.components import (
     EVEN_ACROSS,
     EVEN_DOWN,
     FIXED,
+    ROWS,
     TEMPORAL,
     Component,
 )
 from cg2raw.model.evaluation import Evaluation
 from cg2raw.model.planes import PlaneLikelihood, less_of, neighbours, waves
+from cg2raw.model.recorded import Recording, Records, joined
 from cg2raw.statistics.constant import (
     FIELD,
     PARTS,
@@ -60,14 +62,6 @@ class Block:
     fixed: int
     neighbours: Array
     noise_share: Array
-
-
-class _Records(NamedTuple):
-    """Of the mean images of some planes at some parameters: (8, N) records, (8, N, n)
-    their slopes."""
-
-    values: Array
-    slopes: Array
 
 
 class _Covariance(NamedTuple):
@@ -183,7 +177,7 @@ class MeanImageLikelihood:
         self,
         found: Evaluation,
         theta: Array,
-        recorded: Sequence[tuple[Array, Array]],
+        recorded: Sequence[Records],
     ) -> None:
         """Add what mean images say. recorded : of each plane, records at theta."""
         for block, one, records in self._each(theta, recorded):
@@ -192,25 +186,25 @@ class MeanImageLikelihood:
                 block.freedom,
                 one.whole,
                 *_slopes_of(block, one, records),
-                block.noise_share[:, None] * records.slopes[1] + records.slopes[4],
+                block.noise_share[:, None] * records.slopes.variance
+                + records.slopes.steps,
             )
             if not is_positive:
                 return
 
     def covariances(
-        self, theta: Array, recorded: Sequence[tuple[Array, Array]]
+        self, theta: Array, recorded: Sequence[Records]
     ) -> Iterator[tuple[Block, Array]]:
         """Yield each block with its covariance, (N, N) DN^2. recorded : as above."""
         return ((block, one.whole) for block, one, _ in self._each(theta, recorded))
 
     def _each(
-        self, theta: Array, recorded: Sequence[tuple[Array, Array]]
-    ) -> Iterator[tuple[Block, _Covariance, _Records]]:
-        known: dict[Sequence[int], _Records] = {}
+        self, theta: Array, recorded: Sequence[Records]
+    ) -> Iterator[tuple[Block, _Covariance, Records]]:
+        known: dict[Sequence[int], Records] = {}
         for block in self.blocks:
             if block.planes not in known:
-                each = zip(*(recorded[site] for site in block.planes), strict=True)
-                known[block.planes] = _Records(*(np.concatenate(x, 1) for x in each))
+                known[block.planes] = joined([recorded[n] for n in block.planes])
             records = known[block.planes]
             yield block, self._covariance(block, theta, records), records
 
@@ -218,9 +212,9 @@ class MeanImageLikelihood:
         share = [1 + self.planes[site].correlation[:, part] for site in sites]
         return np.concatenate(share) / np.tile(self.planes[0].frames, len(share))
 
-    def _covariance(self, block: Block, theta: Array, records: _Records) -> _Covariance:
-        _, noise, lines, _, steps = records.values[:5]
-        response = records.values[_response(block)]
+    def _covariance(self, block: Block, theta: Array, records: Records) -> _Covariance:
+        noise, steps = records.values.variance, records.values.steps
+        response, lines = _responses(block, records.values)
         terms, count, size = block.terms, block.fixed, len(noise)
         if (lines != 1).any() or (response != 1).any():
             scales = np.array([np.outer(one, one) for one in (response, lines)])
@@ -235,15 +229,17 @@ class MeanImageLikelihood:
 
 
 def _slopes_of(
-    block: Block, one: _Covariance, records: _Records
+    block: Block, one: _Covariance, records: Records
 ) -> tuple[Array, NDArray[np.int64]]:
     """Return (K, N, N) slopes of a covariance by parameters, and their places: of its
     terms, and of what responses depend on."""
-    if not any(records.slopes[by].any() for by in (_response(block), 2)):
+    values = _responses(block, records.values)
+    slopes = _responses(block, records.slopes)
+    if not any(by.any() for by in slopes):
         return one.terms, block.places
     found = dict(zip(block.places.tolist(), one.terms, strict=True))
-    for by, of in ((_response(block), one.patterns), (2, one.moving)):
-        relative = records.slopes[by] / records.values[by][:, None]
+    for value, by, of in zip(values, slopes, (one.patterns, one.moving), strict=True):
+        relative = by / value[:, None]
         for place in np.flatnonzero(relative.any(axis=0)).tolist():
             term = relative[:, place, None] * of
             found[place] = found.get(place, 0.0) + term + term.T
@@ -251,9 +247,10 @@ def _slopes_of(
     return each, np.array(list(found), int)
 
 
-def _response(block: Block) -> int:
-    """Return which record the patterns of a part are recorded by."""
-    return 3 if block.part == PIXEL else 7
+def _responses(block: Block, known: Recording[Array]) -> tuple[Array, Array]:
+    """Return by how much the patterns of a part are recorded, and what moves it."""
+    patterns = known.fixed if block.part == PIXEL else known.places
+    return patterns, known.rows if ROWS[block.part] else known.columns
 
 
 def low_of(plane: PlaneStatistics, site: int, side: int) -> Array:

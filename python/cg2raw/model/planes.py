@@ -23,7 +23,10 @@ from cg2raw.model.evaluation import Evaluation, Parameters
 from cg2raw.model.recorded import (
     LEAST_OFFSET,
     Offsets,
+    Profiles,
     Recorder,
+    Recording,
+    Records,
     recorder_of,
     shrunk,
 )
@@ -141,7 +144,10 @@ class PlaneLikelihood:
             places -= level
             offsets = Offsets(*about[:, g])
             cut = self.plane.low[g] + self.plane.high[g] > 0
-            one = recorder_of(levels, places, offsets, float(noise[g]), white, cut)
+            profiles = Profiles(self.plane.rows[g], self.plane.columns[g])
+            one = recorder_of(
+                levels, places, profiles, offsets, float(noise[g]), white, cut
+            )
             found.append(one)
         return found
 
@@ -207,37 +213,42 @@ class PlaneLikelihood:
         found: Array = theta[read] + theta[gain] * self.signal(theta)
         return found
 
-    def records(self, theta: Array) -> tuple[Array, Array]:
-        """Return (8, G) Recordings and (8, G, n) their slopes by parameters."""
+    def records(self, theta: Array) -> Records:
+        """Return what is recorded, (G,) each, and its slopes by parameters, (G, n)."""
         offsets, by = self.offsets(theta)
         known = [
             recorder(Offsets(*each))
             for recorder, each in zip(self.recorders, offsets.T, strict=True)
         ]
         slopes = np.array([slope for _, slope in known])
-        values: Array = np.array([value for value, _ in known]).T
-        return values, np.einsum("gro,ogn->rgn", slopes, by)
+        values = np.array([value for value, _ in known]).T
+        return Records(
+            Recording(*values), Recording(*np.einsum("gro,ogn->rgn", slopes, by))
+        )
 
     def temporal(
-        self, theta: Array, records: Array, slopes: Array
+        self, theta: Array, known: Recording[Array], moving: Recording[Array]
     ) -> tuple[Array, Array]:
-        """Return (G, 8) variances of a frame's coefficients and (G, 8, n) slopes."""
+        """Return (G, 8) variances of a frame's coefficients and (G, 8, n) slopes.
+        known, moving : Records at theta."""
         share = 1 + self.correlation
-        response = records[2][:, None]
-        expected = records[1][:, None] * share
-        by = share[:, :, None] * slopes[1][:, None, :]
+        rows = ROWS.astype(int)  # other parts have nothing of lines
+        response = np.array([known.columns, known.rows])[rows].T
+        by_lines = np.array([moving.columns, moving.rows])[rows].swapaxes(0, 1)
+        expected = known.variance[:, None] * share
+        by = share[:, :, None] * moving.variance[:, None]
         first = self.parameters.of(TEMPORAL[0].name)
         own = slice(first, first + len(TEMPORAL))
         more = (theta[own] @ self.sizes.reshape(len(TEMPORAL), -1)).reshape(share.shape)
         expected = expected + more * response**2
         by[:, :, own] += self.sizes.transpose(1, 2, 0) * response[:, :, None] ** 2
-        by += (2 * more * response)[:, :, None] * slopes[2][:, None, :]
+        by += (2 * more * response)[:, :, None] * by_lines
         # Patterns that are recorded otherwise in each frame, but for pixels' own.
-        if (fading := records[6]).any():
+        if (fading := known.fading).any():
             first += len(TEMPORAL)
             pattern = np.tensordot(theta[first:], self.fixed_sizes, 1)
             expected = expected + pattern * fading[:, None]
-            by += pattern[:, :, None] * slopes[6][:, None, :]
+            by += pattern[:, :, None] * moving.fading[:, None]
             by[:, :, first:] += (
                 self.fixed_sizes.transpose(1, 2, 0) * fading[:, None, None]
             )
@@ -254,17 +265,21 @@ class PlaneLikelihood:
         return [known[name] for name in component.signature.split(" and ")]
 
     def add_to(
-        self, found: Evaluation, theta: Array, records: Array, slopes: Array
+        self,
+        found: Evaluation,
+        theta: Array,
+        known: Recording[Array],
+        moving: Recording[Array],
     ) -> None:
-        """Add the scatter. records, slopes : at theta. The value is -inf
+        """Add the scatter. known, moving : Records at theta. The value is -inf
         where a variance is not above 0."""
-        expected, by = self.temporal(theta, records, slopes)
+        expected, by = self.temporal(theta, known, moving)
         if (expected <= 0).any():
             found.value = -np.inf
             return
-        known = self.freedom > 0
+        used = self.freedom > 0
         found.add_chi_square(
-            self.scatter[known], expected[known], by[known], self.freedom[known]
+            self.scatter[used], expected[used], by[used], self.freedom[used]
         )
 
     def level_noise(self) -> tuple[Array, Array]:

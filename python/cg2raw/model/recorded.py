@@ -5,15 +5,17 @@
 Mean and variance of codes are those of the signal and 1/12 DN^2 more while noise is
 above 1.2 DN. Below, they depend on where between two codes the signal lies."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
+from scipy import fft
 from scipy.interpolate import CubicSpline
 from scipy.special import ndtr
 
 from cg2raw.statistics.codes import ROUNDING
-from cg2raw.statistics.constant import Array
+from cg2raw.statistics.constant import PLACES, Array
 
 # DN^2. Above, codes change mean and variance by less than 1e-11 of a code: the first
 # term of Sheppard's series, exp(-2 pi^2 variance) (W. Sheppard, 1898).
@@ -26,6 +28,7 @@ LEAST_OFFSET = 1e-4  # DN^2: far below the step between two places of STEPS
 LEAST_RESPONSE = 1e-3  # of codes that nearly always are 0: they say nothing
 LEAST = 2.5e-3  # DN^2: with noise of 0.05 DN a sample mostly repeats its code
 ROUNDS = 6  # of where frames and places are, in turn
+SETTLED = 1e-6  # DN
 SAME = 0.01  # relative, of offsets for which a table stays as it is
 AROUND = 4  # times the noise by the codes, or by a fit: the table's reach to each side
 NOISES = 7  # in the table
@@ -82,25 +85,69 @@ def differences(
     return found
 
 
-class Recording(NamedTuple):
-    """What a group's codes say of it.
+Number = TypeVar("Number", float, Array)
+
+
+class Recording(NamedTuple, Generic[Number]):
+    """What a group's codes say of it, or those of several, (G,) or more each.
 
     place : DN, the mean of the signal. variance : DN^2, of a code between frames, but
-    for the offsets of lines. lines : by how much lines that are new in every frame are
-    recorded, rms. fixed : by how much the mean code moves with the signal. steps :
-    DN^2, variance of the mean codes of pixels beyond fixed^2 times that of their
-    offsets and what variance makes. noise : by how much noise that neighbours have in
-    common is recorded, rms. fading : variance of fixed from frame to frame.
-    places : by how much what places differ by is recorded, rms."""
+    for the offsets of lines. fixed : by how much the mean code moves with the signal.
+    steps : DN^2, variance of the mean codes of pixels beyond fixed^2 times that of
+    their offsets and what variance makes. fading : variance of fixed from frame to
+    frame. Others, by how much is recorded, rms: places : what places differ by. rows,
+    columns : offsets of lines that are new in every frame. across, down : noise that
+    neighbours in a row, or in a column, have in common. in_rows, in_columns : by how
+    much more neighbours in a line record its offset together than all of it, squared.
+    """
 
-    place: float
-    variance: float
-    lines: float
-    fixed: float
-    steps: float
-    noise: float
-    fading: float
-    places: float
+    place: Number
+    variance: Number
+    fixed: Number
+    steps: Number
+    fading: Number
+    places: Number
+    rows: Number
+    columns: Number
+    across: Number
+    down: Number
+    in_rows: Number
+    in_columns: Number
+
+
+class Records(NamedTuple):
+    """Recordings, (G,) each, and their slopes by parameters, (G, n)."""
+
+    values: Recording[Array]
+    slopes: Recording[Array]
+
+
+def joined(each: Sequence[Records]) -> Records:
+    """Return the records of planes one after another."""
+    values, slopes = (
+        Recording(*(np.concatenate(some) for some in zip(*of, strict=True)))
+        for of in zip(*each, strict=True)
+    )
+    return Records(values, slopes)
+
+
+def fine_records(by_variance: Array) -> Records:
+    """Return those of fine codes, of noise whose slopes are (G, n)."""
+    groups = len(by_variance)
+    values = Recording(*(np.full(groups, one) for one in FINE_CODES))
+    slopes = Recording(*([0 * by_variance] * len(values)))
+    return Records(values, slopes._replace(variance=by_variance))
+
+
+FINE_CODES = Recording(0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0)
+
+
+class Profiles(NamedTuple):
+    """DN, by how much lines of a mean image are above its mean: of all rows, (h,), and
+    of all columns, (w,)."""
+
+    rows: Array
+    columns: Array
 
 
 class Offsets(NamedTuple):
@@ -122,7 +169,7 @@ class Recorder:
 
     level : DN, of the codes. about : offsets for which the table is exact, of noise
     within AROUND; near them it is linear. table : of (Recording, slopes by lines,
-    slopes by fixed), (24,), by the logarithm of the noise's variance; None where codes
+    slopes by fixed), (36,), by the logarithm of the noise's variance; None where codes
     are fine in any case. by_lines : DN^4, variance of the variance of codes from line
     to line, by where their offsets put them."""
 
@@ -140,13 +187,13 @@ class Recorder:
         return bool((moved <= SAME * np.array(self.about) + SAME * LEAST_OFFSET).all())
 
     def __call__(self, offsets: Offsets) -> tuple[Array, Array]:
-        """Return a Recording, (8,), and its slopes by the offsets, (8, 3)."""
+        """Return a Recording, (12,), and its slopes by the offsets, (12, 3)."""
         noise = offsets.noise
         if self.table is None:
-            fine = Recording(self.level, noise + ROUNDING, 1.0, 1.0, 0.0, 1.0, 0.0, 1.0)
-            return np.array(fine), np.eye(8, 3, -1) * [1.0, 0.0, 0.0]
+            fine = FINE_CODES._replace(place=self.level, variance=noise + ROUNDING)
+            return np.array(fine), np.eye(len(fine), 3, -1) * [1.0, 0.0, 0.0]
         at = np.clip(np.log(noise), *self.table.x[[0, -1]])
-        known, slopes = (self.table(at, n).reshape(3, 8) for n in (0, 1))
+        known, slopes = (self.table(at, n).reshape(3, -1) for n in (0, 1))
         lines, fixed = (
             offsets.lines - self.about.lines,
             offsets.fixed - self.about.fixed,
@@ -159,6 +206,7 @@ class Recorder:
 def recorder_of(
     levels: Array,
     places: Array,
+    profiles: Profiles,
     about: Offsets,
     noise: float,
     white: int,
@@ -180,6 +228,16 @@ def recorder_of(
     inside = not cut or (low > 0 and levels.max() + places.max() + reach < white)
     if inside and noise > FINE + ROUNDING:
         return Recorder(level, about, None)
+    image = _Image(
+        levels,
+        places,
+        frames,
+        tuple(
+            np.quantile(one, PLACES) if np.ptp(one) > NARROW else np.zeros(1)
+            for one in profiles
+        ),
+        tuple(float((np.diff(one) ** 2).sum() / 2 / len(one)) for one in profiles),
+    )
     steps = [0.1 * value + LEAST_OFFSET for value in (about.lines, about.fixed)]
     table, by_lines = [], 0.0
     middle = max(about.noise, LEAST)
@@ -188,7 +246,7 @@ def recorder_of(
         one = about._replace(noise=float(variance))
         ends = one._replace(lines=one.lines + steps[0], fixed=one.fixed + steps[1])
         law = _Codes(np.add.outer(levels, places), ends, white, inside)
-        found, of_lines = _recording(law, levels, places, frames, one)
+        found, of_lines = _recording(law, image, one)
         if number == NOISES // 2:
             by_lines = of_lines
         known = [np.array(found)]
@@ -197,10 +255,22 @@ def recorder_of(
             steps,
             strict=True,
         ):
-            moved = np.array(_recording(law, levels, places, frames, more)[0])
+            moved = np.array(_recording(law, image, more)[0])
             known.append((moved - known[0]) / step)
         table.append(np.concatenate(known))
     return Recorder(level, about, CubicSpline(np.log(variances), table), by_lines)
+
+
+class _Image(NamedTuple):
+    """levels, places : as of recorder_of. frames : how many. profiles : quantiles of
+    rows and of columns, DN. steps : DN^2, what next rows, and columns, do not have in
+    common."""
+
+    levels: Array
+    places: Array
+    frames: int
+    profiles: tuple[Array, ...]
+    steps: tuple[float, ...]
 
 
 def shrunk(places: Array, chance: float) -> float:
@@ -241,6 +311,33 @@ class _Codes:
             return self.of(mean, at)
         return at + self.of(mean - self.grid, at)
 
+    def smoothed(self, values: Array, variance: float) -> Array:
+        """Return what is expected of values where a normal offset adds to the signal,
+        on the grid; beyond its ends they are as there, or in the next code."""
+        count, step = len(values) - 1, self.grid[1] - self.grid[0]
+        if self.inside:
+            at = np.arange(count)
+        else:
+            more = int(REACH * np.sqrt(variance) / step) + 1
+            length = fft.next_fast_len(count + 1 + 2 * more, real=True)
+            at = np.clip(np.arange(length) - more, 0, count)
+        waves = fft.rfftfreq(len(at), step)
+        left = np.exp(-2 * np.pi**2 * variance * waves**2)
+        found = fft.irfft(fft.rfft(values[at]) * left, len(at))
+        if self.inside:
+            return np.append(found, found[:1])
+        return np.asarray(found[more : more + count + 1])
+
+    def smoothed_mean(self, mean: Array, variance: float) -> Array:
+        """Return the same of mean codes."""
+        line = self.grid * self.inside
+        return line + self.smoothed(mean - line, variance)
+
+    def slope(self, values: Array) -> Array:
+        """Return how values move with the signal, on the grid."""
+        found: Array = np.gradient(values, self.grid)
+        return found
+
     def signals(self, mean: Array, codes: Array, shifts: Array) -> Array:
         """Return the (N,) signals where the mean code over shifts is @codes: it rises
         with the signal."""
@@ -255,51 +352,65 @@ class _Codes:
 
 
 def _recording(
-    law: _Codes, levels: Array, places: Array, frames: int, offsets: Offsets
-) -> tuple[Recording, float]:
-    """Return what is recorded of frames with these levels and places, and by_lines.
-    law : of codes of the offsets' noise.
+    law: _Codes, image: _Image, offsets: Offsets
+) -> tuple[Recording[float], float]:
+    """Return what is recorded of the frames of a mean image, and by_lines. law : of
+    codes of the offsets' noise.
 
     The signal of a sample is that of its place and of its frame, and the offsets of its
     lines and pixel; what it records beyond the sum of what each has alone is of the
     pixel."""
+    levels, places, frames = image.levels, image.places, image.frames
     # Places have what lines of all frames have in common; the rest is new in each.
     again = 1 / frames if len(places) > 1 else 0.0
     square = max(offsets.lines * (1 - again), LEAST_OFFSET)
     fixed = max(offsets.fixed, LEAST_OFFSET)
     # With the offsets of lines, on the grid.
-    at = law.grid[:, None] + NODES * np.sqrt(square)
-    each = law.mean_of(law.mean, at)
-    mean = each @ WEIGHTS
-    of_lines = each @ (WEIGHTS * NODES) / np.sqrt(square)
-    variances = law.of(law.variance, at)
-    variance = variances @ WEIGHTS
-    slope = np.gradient(law.mean, law.grid)
-    by_noise = law.of(slope**2, at) @ WEIGHTS
-    # Of neighbours in a line, whose fixed offsets are their own.
-    together = law.of(slope, law.grid[:, None] + NODES * np.sqrt(fixed)) @ WEIGHTS
-    together = law.of(together**2, at) @ WEIGHTS
+    mean, of_noise = law.smoothed_mean(law.mean, square), law.slope(law.mean)
+    of_lines, variance = law.slope(mean), law.smoothed(law.variance, square)
     # By a pixel's own noise: normal laws obey the equation of heat, d/dvariance of what
     # is expected of codes, or of their squares, is half its curvature.
     # Where codes end within reach, fits that have it stop short: it is left out there.
-    more = offsets.charged * law.inside * NODES * np.sqrt(fixed)
-    bent = np.gradient(np.gradient(mean, law.grid), law.grid) / 2
-    wider = np.gradient(np.gradient(variance, law.grid), law.grid) / 2 + by_noise
+    charged = offsets.charged * law.inside
+    bent = law.slope(of_lines) / 2
+    wider = law.slope(law.slope(variance)) / 2 + law.smoothed(of_noise**2, square)
+    # With the offsets of pixels, too; what is in proportion to these goes by the slope.
+    with_pixels = law.smoothed_mean(mean, fixed)
+    with_pixels += charged * fixed * law.slope(law.smoothed(bent, fixed))
+    noises = law.smoothed(variance, fixed)
+    noises += charged * fixed * law.slope(law.smoothed(wider, fixed))
     # Where frames and places are.
-    at = law.grid[:, None] + NODES * np.sqrt(fixed)
-    with_pixels = (law.mean_of(mean, at) + more * law.of(bent, at)) @ WEIGHTS
     drift, place = np.zeros(len(levels)), np.zeros(len(places))
     for _ in range(ROUNDS if len(levels) > 1 else 1):
+        before = drift
         place = law.signals(with_pixels, levels.mean() + places, drift)
         drift = law.signals(with_pixels, levels, place)
         drift -= drift.mean()
-    at = np.add.outer(drift, place)[:, :, None] + NODES * np.sqrt(fixed)
-    each = law.mean_of(mean, at) + more * law.of(bent, at)  # (F, N, nodes)
-    slopes = law.of(of_lines, at)
-    lines = float(((slopes @ WEIGHTS).mean(axis=1) ** 2).mean())
-    noise = float(((law.of(variance, at) + more * law.of(wider, at)) @ WEIGHTS).mean())
-    noise += offsets.lines * float(((slopes**2 @ WEIGHTS).mean()) - lines)
+        if np.abs(drift - before).max() < SETTLED:
+            break
+    places_of_frames = np.add.outer(drift, place)
+    # Of a line, on average all along it; the rest is of its pixels.
+    codes = levels.mean() + np.add.outer(*image.profiles)
+    signals = law.signals(with_pixels, codes.ravel(), drift).reshape(codes.shape)
+    along = law.of(law.smoothed(of_lines, fixed), np.add.outer(drift, signals))
+    lines = [float((along.mean(axis=n) ** 2).mean()) for n in (2, 1)]
+    square_of_lines = law.of(law.smoothed(of_lines**2, fixed), places_of_frames).mean()
+    noise = float(law.of(noises, places_of_frames).mean())
+    noise += offsets.lines * float(square_of_lines - np.mean(lines))
+    # Of neighbours, by the fixed offsets of each.
+    pairs, uneven = [], []
+    for apart, of_line in zip(image.steps[::-1], lines, strict=True):
+        near = place.mean() + (place - place.mean()) * shrunk(place, apart)
+        near = np.add.outer(drift, near)
+        both = law.smoothed(law.smoothed(of_noise, fixed + apart) ** 2, square)
+        pairs.append(float(law.of(both, near).mean()))
+        both = law.smoothed(of_lines, fixed + apart) ** 2
+        uneven.append(float(law.of(both, near).mean()) - of_line)
     # Of pixels, from frame to frame beyond what their place does.
+    at = places_of_frames[:, :, None] + NODES * np.sqrt(fixed)
+    each = law.mean_of(mean, at)  # (F, N, nodes)
+    if charged:
+        each += charged * NODES * np.sqrt(fixed) * law.of(bent, at)
     rest = each - (each @ WEIGHTS)[:, :, None]
     rest -= rest.mean(axis=0)
     moved = float(((rest**2) @ WEIGHTS).mean(axis=1).sum()) / max(len(levels) - 1, 1)
@@ -313,12 +424,12 @@ def _recording(
     found = Recording(
         float(place.mean()),
         noise + moved,
-        float(np.sqrt(lines)),
         slope,
         steps,
-        float(np.sqrt(law.of(together, np.add.outer(drift, place)).mean())),
         float(by_frames.var(ddof=1)) if len(levels) > 1 else 0.0,
         spread,
+        *np.sqrt([*lines, *pairs]),
+        *uneven,
     )
     at = place[:, None] + NODES * np.sqrt(square)
     by_lines = law.of(law.variance, at).mean(axis=0)

@@ -50,7 +50,7 @@ def _in_plane(
     if wanted not in signatures:
         return (*NOT_KNOWN, 0 * found.theta)
     records, slopes = plane.records(found.theta)
-    response = records[7] * used
+    response = records.places * used
     design = np.column_stack(list(signatures.values())) * response[:, None]
     largest = np.abs(design).max(axis=0)
     is_seen = bool((np.isfinite(largest) & (largest > 0)).all())  # codes may hide all
@@ -60,7 +60,7 @@ def _in_plane(
     weighted = design / (noises[:, PIXEL] / plane.frames)[:, None]
     weights = np.linalg.solve(weighted.T @ design, weighted.T)
     weights = weights[list(signatures).index(wanted)]
-    by_response = (weights * signatures[wanted]) @ slopes[7]
+    by_response = (weights * signatures[wanted]) @ slopes.places
     square = variance = 0.0
     for part in map(int, np.flatnonzero(LOW)):
         freedom = plane.plane.freedom[part]
@@ -78,7 +78,26 @@ def _in_plane(
         variance += 4 * (chance + shared) * max(size, 0.0)
         of_noise = 2 * freedom * noise**2 / np.maximum(plane.frames - 1, 1)
         variance += float(of_noise.sum())
-    return square, variance, -2 * max(square, 0.0) * by_response
+    slopes_of_square = -by_response
+    if wanted == "light":
+        each, by_level = _by_light(found, plane, weights * response * plane.is_flat)
+        slopes_of_square = slopes_of_square + each
+        variance += 4 * square**2 * by_level
+    return square, variance, 2 * max(square, 0.0) * slopes_of_square
+
+
+def _by_light(
+    found: Fit, plane: PlaneLikelihood, weights: Array
+) -> tuple[Array, float]:
+    """Return how what is relative to light depends on what is not light of the levels:
+    (n,) slopes of its logarithm by parameters, and its variance by their drift.
+    weights : (G,) by which mean images add up to it."""
+    place = found.parameters.of
+    slopes = np.zeros(len(found.theta))
+    slopes[place("black_level", plane.site)] = weights.sum()
+    slopes[place("dark_current")] = weights @ plane.time
+    drift = max(float(found.theta[place("black_level_drift")]), 0.0)
+    return slopes, float(drift * weights**2 @ (1 / plane.frames))
 
 
 def low_noise(plane: PlaneLikelihood) -> Array:
