@@ -101,7 +101,7 @@ def bench(folder):
         report = captures.parent / "report"
         command = [sys.executable, "-m", "cg2raw", "diagnose", captures, "-o", report]
         begin = time.perf_counter()
-        process = subprocess.Popen([*map(str, command), "--force", "--quiet"])
+        process = subprocess.Popen([*map(str, command), "--overwrite", "--quiet"])
         _, status, used = os.wait4(process.pid, 0)
         seconds = time.perf_counter() - begin
         if status:
