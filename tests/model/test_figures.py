@@ -64,6 +64,8 @@ def test_read_noise_of_a_fraction_of_a_code(noise):
     found = misses(range(sets), low=True, black=64, noise=noise, shape=(90, 120))
     inside, off = np.array(found["read noise 0"]).T
     assert inside.sum() >= binom.ppf(1e-3, sets, 0.95) and abs(off.mean()) < 1
+    for name in ("correlation, next in row", "row noise", "column noise"):
+        assert max(abs(off) for _, off in found[name]) < 4
 
 
 def test_darks_of_two_splits_repeat_each_other():

@@ -237,14 +237,15 @@ def _slopes_of(
     slopes = _responses(block, records.slopes)
     if not any(by.any() for by in slopes):
         return one.terms, block.places
-    found = dict(zip(block.places.tolist(), one.terms, strict=True))
+    moved = np.flatnonzero(sum(by.any(axis=0) for by in slopes))
+    places = np.union1d(block.places, moved)
+    each = np.zeros((len(places), *one.rest.shape))
+    each[np.searchsorted(places, block.places)] = one.terms
     for value, by, of in zip(values, slopes, (one.patterns, one.moving), strict=True):
-        relative = by / value[:, None]
-        for place in np.flatnonzero(relative.any(axis=0)).tolist():
-            term = relative[:, place, None] * of
-            found[place] = found.get(place, 0.0) + term + term.T
-    each = np.array(list(found.values())).reshape(len(found), *one.rest.shape)
-    return each, np.array(list(found), int)
+        relative = by[:, moved] / value[:, None]
+        terms = relative.T[:, :, None] * of
+        each[np.searchsorted(places, moved)] += terms + terms.swapaxes(1, 2)
+    return each, places
 
 
 def _responses(block: Block, known: Recording[Array]) -> tuple[Array, Array]:

@@ -5,6 +5,7 @@
 Mean and variance of codes are those of the signal and 1/12 DN^2 more while noise is
 above 1.2 DN. Below, they depend on where between two codes the signal lies."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
@@ -312,9 +313,9 @@ class _Codes:
         return at + self.of(mean - self.grid, at)
 
     def smoothed(self, values: Array, variance: float) -> Array:
-        """Return what is expected of values where a normal offset adds to the signal,
-        on the grid; beyond its ends they are as there, or in the next code."""
-        count, step = len(values) - 1, self.grid[1] - self.grid[0]
+        """Return what is expected of values, (..., grid), where a normal offset adds to
+        the signal; beyond the grid's ends they are as there, or in the next code."""
+        count, step = len(self.grid) - 1, self.grid[1] - self.grid[0]
         if self.inside:
             at = np.arange(count)
         else:
@@ -323,19 +324,14 @@ class _Codes:
             at = np.clip(np.arange(length) - more, 0, count)
         waves = fft.rfftfreq(len(at), step)
         left = np.exp(-2 * np.pi**2 * variance * waves**2)
-        found = fft.irfft(fft.rfft(values[at]) * left, len(at))
-        if self.inside:
-            return np.append(found, found[:1])
-        return np.asarray(found[more : more + count + 1])
-
-    def smoothed_mean(self, mean: Array, variance: float) -> Array:
-        """Return the same of mean codes."""
-        line = self.grid * self.inside
-        return line + self.smoothed(mean - line, variance)
+        found = fft.irfft(fft.rfft(values[..., at]) * left, len(at))
+        first = 0 if self.inside else more
+        last = first + np.arange(count + 1) % len(at)
+        return np.asarray(found[..., last])
 
     def slope(self, values: Array) -> Array:
-        """Return how values move with the signal, on the grid."""
-        found: Array = np.gradient(values, self.grid)
+        """Return how values, (..., grid), move with the signal."""
+        found: Array = np.gradient(values, self.grid[1] - self.grid[0], axis=-1)
         return found
 
     def signals(self, mean: Array, codes: Array, shifts: Array) -> Array:
@@ -366,19 +362,24 @@ def _recording(
     square = max(offsets.lines * (1 - again), LEAST_OFFSET)
     fixed = max(offsets.fixed, LEAST_OFFSET)
     # With the offsets of lines, on the grid.
-    mean, of_noise = law.smoothed_mean(law.mean, square), law.slope(law.mean)
-    of_lines, variance = law.slope(mean), law.smoothed(law.variance, square)
+    line, of_noise = law.grid * law.inside, law.slope(law.mean)
+    mean, variance, by_noise = law.smoothed(
+        np.array([law.mean - line, law.variance, of_noise**2]), square
+    )
+    mean, of_lines = mean + line, law.slope(mean + line)
     # By a pixel's own noise: normal laws obey the equation of heat, d/dvariance of what
     # is expected of codes, or of their squares, is half its curvature.
     # Where codes end within reach, fits that have it stop short: it is left out there.
     charged = offsets.charged * law.inside
     bent = law.slope(of_lines) / 2
-    wider = law.slope(law.slope(variance)) / 2 + law.smoothed(of_noise**2, square)
+    wider = law.slope(law.slope(variance)) / 2 + by_noise
     # With the offsets of pixels, too; what is in proportion to these goes by the slope.
-    with_pixels = law.smoothed_mean(mean, fixed)
-    with_pixels += charged * fixed * law.slope(law.smoothed(bent, fixed))
-    noises = law.smoothed(variance, fixed)
-    noises += charged * fixed * law.slope(law.smoothed(wider, fixed))
+    codes, more, of_line = law.smoothed(
+        np.array([[mean - line, variance], [bent, wider], [of_lines, of_lines**2]]),
+        fixed,
+    )
+    with_pixels, noises = codes + charged * fixed * law.slope(more)
+    with_pixels = with_pixels + line
     # Where frames and places are.
     drift, place = np.zeros(len(levels)), np.zeros(len(places))
     for _ in range(ROUNDS if len(levels) > 1 else 1):
@@ -392,20 +393,21 @@ def _recording(
     # Of a line, on average all along it; the rest is of its pixels.
     codes = levels.mean() + np.add.outer(*image.profiles)
     signals = law.signals(with_pixels, codes.ravel(), drift).reshape(codes.shape)
-    along = law.of(law.smoothed(of_lines, fixed), np.add.outer(drift, signals))
+    along = law.of(of_line[0], np.add.outer(drift, signals))
     lines = [float((along.mean(axis=n) ** 2).mean()) for n in (2, 1)]
-    square_of_lines = law.of(law.smoothed(of_lines**2, fixed), places_of_frames).mean()
+    square_of_lines = law.of(of_line[1], places_of_frames).mean()
     noise = float(law.of(noises, places_of_frames).mean())
     noise += offsets.lines * float(square_of_lines - np.mean(lines))
-    # Of neighbours, by the fixed offsets of each.
-    pairs, uneven = [], []
-    for apart, of_line in zip(image.steps[::-1], lines, strict=True):
+    # Of neighbours in a row, and in a column, by the fixed offsets of each.
+    pairs = []
+    for apart in image.steps[::-1]:
         near = place.mean() + (place - place.mean()) * shrunk(place, apart)
-        near = np.add.outer(drift, near)
-        both = law.smoothed(law.smoothed(of_noise, fixed + apart) ** 2, square)
-        pairs.append(float(law.of(both, near).mean()))
-        both = law.smoothed(of_lines, fixed + apart) ** 2
-        uneven.append(float(law.of(both, near).mean()) - of_line)
+        both = law.smoothed(np.array([of_noise, of_lines]), fixed + apart) ** 2
+        both[0] = law.smoothed(both[0], square)
+        at = np.add.outer(drift, near)
+        pairs.append([float(law.of(one, at).mean()) for one in both])
+    (across, in_rows), (down, in_columns) = pairs
+    rows, columns = lines
     # Of pixels, from frame to frame beyond what their place does.
     at = places_of_frames[:, :, None] + NODES * np.sqrt(fixed)
     each = law.mean_of(mean, at)  # (F, N, nodes)
@@ -428,8 +430,12 @@ def _recording(
         steps,
         float(by_frames.var(ddof=1)) if len(levels) > 1 else 0.0,
         spread,
-        *np.sqrt([*lines, *pairs]),
-        *uneven,
+        math.sqrt(rows),
+        math.sqrt(columns),
+        math.sqrt(across),
+        math.sqrt(down),
+        in_rows - rows,
+        in_columns - columns,
     )
     at = place[:, None] + NODES * np.sqrt(square)
     by_lines = law.of(law.variance, at).mean(axis=0)
