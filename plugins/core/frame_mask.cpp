@@ -61,13 +61,16 @@ public:
             m_places.push_back(place);
             m_values.push_back(sample(place.row, place.col));
         }
+        m_told = m_values;
     }
 
     std::vector<double> run(int rounds)
     {
         fill_points_by_rows();
         copy_lines();
+        tell_sums();
         settle(rounds);
+        tell_sums();
         m_sums.set_field(m_plane);
         return std::move(m_values);
     }
@@ -84,10 +87,32 @@ private:
             && !m_mask.columns[std::size_t(at.col)];
     }
 
-    void put(std::size_t i, double value)
+    /// The sums get what is filled in since they were told last.
+    void tell_sums()
     {
-        m_sums.replace(m_plane, m_places[i].row, m_places[i].col, m_values[i], value);
-        m_values[i] = value;
+        std::vector<double> change(m_values);
+        for (std::size_t i = 0; i < change.size(); ++i) {
+            change[i] -= m_told[i];
+            m_sums.squares += m_values[i] * m_values[i] - m_told[i] * m_told[i];
+        }
+        add(change, m_sums);
+        m_told = m_values;
+    }
+
+    /// Adds a change of the masked samples to sums, but for squares and field.
+    void add(const std::vector<double>& change, PlaneSums& sums) const
+    {
+        const double* from = change.data();
+        for (const Run& run : m_runs) {
+            const auto row = std::size_t(run.row);
+            const RowSums found = add_run(from, m_plane.across, run.col, run.count,
+                                          sums.columns.data());
+            sums.rows[row] += found.sum;
+            sums.sum += found.sum;
+            for (std::size_t k = 0; k < field_degree; ++k)
+                sums.along[row][k] += found.along[k];
+            from += run.count;
+        }
     }
 
     /// The mean of the samples of a point's row that are not masked.
@@ -103,7 +128,7 @@ private:
         for (std::size_t i = 0; i < m_values.size(); ++i) {
             const auto row = std::size_t(m_places[i].row);
             if (is_point(m_places[i]))
-                put(i, left[row] > 0 ? sums[row] / left[row] : 0.0);
+                m_values[i] = left[row] > 0 ? sums[row] / left[row] : 0.0;
         }
     }
 
@@ -137,7 +162,7 @@ private:
             ratio = next;
         }
         for (std::size_t i = 0; i < moved.size(); ++i)
-            put(i, m_values[i] + moved[i]);
+            m_values[i] += moved[i];
     }
 
     /// A change, less what the parts then say more.
@@ -147,17 +172,7 @@ private:
         sums.rows.resize(m_sums.rows.size());
         sums.columns.resize(m_sums.columns.size());
         sums.along.resize(m_sums.along.size());
-        const double* from = change.data();
-        for (const Run& run : m_runs) {
-            const auto row = std::size_t(run.row);
-            const RowSums found = add_run(from, m_plane.across, run.col, run.count,
-                                          sums.columns.data());
-            sums.rows[row] += found.sum;
-            sums.sum += found.sum;
-            for (std::size_t k = 0; k < field_degree; ++k)
-                sums.along[row][k] += found.along[k];
-            from += run.count;
-        }
+        add(change, sums);
         std::vector<double> less = said_of(sums);
         for (std::size_t i = 0; i < less.size(); ++i)
             less[i] = change[i] - less[i];
@@ -187,9 +202,8 @@ private:
     {
         for (std::size_t i = 0; i < m_values.size(); ++i)
             if (!is_point(m_places[i]))
-                put(i,
-                    value_at(m_rows[std::size_t(m_places[i].row)],
-                             m_columns[std::size_t(m_places[i].col)]));
+                m_values[i] = value_at(m_rows[std::size_t(m_places[i].row)],
+                                       m_columns[std::size_t(m_places[i].col)]);
     }
 
     /// Filled, or as it is.
@@ -210,7 +224,7 @@ private:
     PlaneSums& m_sums;
     std::vector<int> m_rows, m_columns; ///< the nearest of each that is left
     std::vector<Site> m_places; ///< of masked samples in the plane
-    std::vector<double> m_values;
+    std::vector<double> m_values, m_told; ///< as they are, and as the sums have them
     std::vector<Run> m_runs; ///< of places
 };
 

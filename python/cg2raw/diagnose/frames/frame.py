@@ -151,7 +151,9 @@ def source_of(capture_set: CaptureSet, capture: Capture) -> Source:
             f"{capture.name}: the scene has values that are not finite; must be "
             "numbers: render it without, or mask them and write 0"
         )
-    camera = np.maximum(scene @ matrix.T.astype(scene.dtype), 0).astype(np.float32)
+    flat = scene.reshape(-1, 3) @ matrix.T.astype(scene.dtype)
+    camera = np.maximum(flat, 0, out=flat).astype(np.float32, copy=False)
+    camera = camera.reshape(scene.shape)
     whole = camera if camera.ndim == 3 else np.broadcast_to(camera, (64, 64, 3))
     neutral = np.asarray(light.neutral, float)
     return Source(

@@ -47,10 +47,17 @@ def read_frames(
         if capture.means is not None:
             frames.append(patch_frame_of(capture_set, capture, noise[capture.iso]))
             continue
-        source = source_of(capture_set, capture)
         warmth = warmth_of(capture, temperature)
         noise_of = noise[capture.iso]
-        frames.append(frame_of(source, tiles[capture.shape], noise_of, warmth))
+        # The whole source has no name here: it is freed before the next is read.
+        frames.append(
+            frame_of(
+                source_of(capture_set, capture),
+                tiles[capture.shape],
+                noise_of,
+                warmth,
+            )
+        )
     return frames
 
 
