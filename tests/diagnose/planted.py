@@ -152,7 +152,11 @@ def frames_of(sensor, captures, pixels=65536):
     noise = noise_models(capture_set)
     side = repeat_of(sensor.cfa)
     return [
-        frame_of(source_of(capture_set, c), tiling(c.shape, pixels, side), noise[c.iso])
+        frame_of(
+            source_of(capture_set, c, c.raw()),
+            tiling(c.shape, pixels, side),
+            noise[c.iso],
+        )
         for c in captures
     ]
 

@@ -183,7 +183,9 @@ def test_a_flat_of_unknown_level_takes_its_own(name):
     capture = capture_of("flat", shape=shape, scene=None, raw=lambda: raw, iso=None)
     captures = CaptureSet(sensor, [capture])
     tiles = tiling(shape, 65536, round(len(sensor.cfa) ** 0.5))
-    frame = frame_of(source_of(captures, capture), tiles, noise_models(captures)[None])
+    frame = frame_of(
+        source_of(captures, capture, capture.raw()), tiles, noise_models(captures)[None]
+    )
     assert frame.level_free
     assert frame.camera[0, :, 30, 30] == pytest.approx(levels, rel=0.01)
 

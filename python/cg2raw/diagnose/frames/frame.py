@@ -136,8 +136,11 @@ class Source:
     mask: Mask | None
 
 
-def source_of(capture_set: CaptureSet, capture: Capture) -> Source:
-    """Read one capture. Raises ValueError for a file that cannot be read."""
+def source_of(
+    capture_set: CaptureSet, capture: Capture, raw: NDArray[np.uint16]
+) -> Source:
+    """Return a capture with its mosaic and render, which is read. Raises ValueError for
+    a file that cannot be."""
     matrix, light = camera_of(capture_set, capture)
     scene = np.zeros(3) if capture.scene is None else np.asarray(capture.scene())
     if scene.ndim == 3 and scene.shape[:2] != tuple(capture.shape):
@@ -159,7 +162,7 @@ def source_of(capture_set: CaptureSet, capture: Capture) -> Source:
     return Source(
         capture=capture,
         sensor=capture_set.sensor,
-        raw=capture.raw(),
+        raw=raw,
         camera=camera,
         glare_context=_core.glare_context(np.ascontiguousarray(whole)),
         neutral=tuple(neutral / neutral.max()),

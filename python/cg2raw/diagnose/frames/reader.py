@@ -13,6 +13,7 @@ from cg2raw.diagnose.frames.frame import Frame, frame_of, source_of, warmth_of
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.frames.patch_frame import patch_frame_of
 from cg2raw.diagnose.frames.tiling import Mask, tiling
+from cg2raw.statistics.frame_statistics import read_ahead
 
 READING_SHARE = 0.25  # of a diagnosis, that reading takes
 PIXELS = 65536  # of one frame that are worked on; a small frame is taken whole
@@ -40,6 +41,8 @@ def read_frames(
         for shape in set(shapes)
     }
     frames = []
+    with_files = [c for c in capture_set.captures if c.means is None]
+    mosaics = read_ahead([c.raw for c in with_files], 1)
     temperature = capture_set.temperature
     for number, capture in enumerate(capture_set.captures):
         share = READING_SHARE * number / len(capture_set.captures)
@@ -52,7 +55,7 @@ def read_frames(
         # The whole source has no name here: it is freed before the next is read.
         frames.append(
             frame_of(
-                source_of(capture_set, capture),
+                source_of(capture_set, capture, next(mosaics)),
                 tiles[capture.shape],
                 noise_of,
                 warmth,
