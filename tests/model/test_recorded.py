@@ -154,6 +154,24 @@ def test_lines_are_recorded_by_where_all_of_their_pixels_are():
     assert found.down > 1.03 * found.across
 
 
+@pytest.mark.parametrize("sigma", [0.5, 0.9, 1.2, 1.5])
+def test_lines_of_darks_that_are_half_zero(sigma):
+    """Of columns whose offsets are normal, rows record the mean slope, and columns the
+    root of its mean square."""
+    columns = 0.3 * sigma * np.random.default_rng(3).standard_normal(4000)
+    codes, _ = recorded(columns, sigma**2, WHITE)
+    profiles = Profiles(np.zeros(1), codes - codes.mean())
+    places, level = np.quantile(profiles.columns, PLACES), codes.mean()
+    levels, about = level + np.array([-0.01, 0.0, 0.01]), Offsets(sigma**2, 1e-4, 1e-4)
+    given = levels, places, profiles, about, sigma**2, WHITE, True
+    found = Recording(*recorder_of(*given)(about)[0])
+    # The mean code rises at each edge of codes by the density there.
+    steps = (np.arange(0.5, 12) - columns[:, None]) / sigma
+    slopes = np.exp(-(steps**2) / 2).sum(axis=1) / np.sqrt(2 * np.pi) / sigma
+    assert found.rows == pytest.approx(slopes.mean(), abs=5e-3)
+    assert found.columns == pytest.approx(np.sqrt((slopes**2).mean()), abs=5e-3)
+
+
 def test_two_frames_have_a_spread_of_response():
     """The variance of two is half the square of by how much they differ."""
     about = Offsets(0.04, 0.0, 0.01)

@@ -57,8 +57,9 @@ def clipped_moments(values: Array) -> tuple[float, float]:
     values : any shape, finite. Median and MAD are a start alone."""
     flat = values.ravel().astype(np.float64, copy=False)
     some = flat[:: max(1, flat.size // ENOUGH)]
-    mean, before = float(np.median(some)), (0, 0.0)
-    sigma = MAD * float(np.median(np.abs(some - mean)))
+    middle, before = some.size // 2, (0, 0.0)
+    mean = float(np.partition(some, middle)[middle])
+    sigma = MAD * float(np.partition(np.abs(some - mean), middle)[middle])
     for _ in range(ROUNDS):
         kept = flat[np.abs(flat - mean) <= CUT * sigma]
         mean = float(kept.sum()) / kept.size

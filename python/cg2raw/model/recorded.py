@@ -297,7 +297,8 @@ class _Codes:
             most = REACH * np.sqrt(noise + offsets.lines + offsets.fixed) + 1
             low, high = int(codes.min() - 2 * most) - 1, int(codes.max() + 2 * most) + 1
             steps = min(STEPS, STEPS_PER_SIGMA / np.sqrt(noise))
-            self.grid = np.linspace(low, high, int((high - low) * steps) + 2)
+            count = fft.next_fast_len(int((high - low) * steps) + 1, real=True)
+            self.grid = np.linspace(low, high, count + 1)
             self.mean, self.variance = _with_ends(self.grid, noise, white)
             self.room = self.grid[::4]
 
@@ -314,20 +315,15 @@ class _Codes:
 
     def smoothed(self, values: Array, variance: float) -> Array:
         """Return what is expected of values, (..., grid), where a normal offset adds to
-        the signal; beyond the grid's ends they are as there, or in the next code."""
+        the signal; beyond the grid's ends is the next code, or what is before them."""
         count, step = len(self.grid) - 1, self.grid[1] - self.grid[0]
-        if self.inside:
-            at = np.arange(count)
-        else:
-            more = int(REACH * np.sqrt(variance) / step) + 1
-            length = fft.next_fast_len(count + 1 + 2 * more, real=True)
-            at = np.clip(np.arange(length) - more, 0, count)
-        waves = fft.rfftfreq(len(at), step)
-        left = np.exp(-2 * np.pi**2 * variance * waves**2)
-        found = fft.irfft(fft.rfft(values[..., at]) * left, len(at))
-        first = 0 if self.inside else more
-        last = first + np.arange(count + 1) % len(at)
-        return np.asarray(found[..., last])
+        waves = np.arange(count + 1) / (2 * count * step)
+        if not self.inside:
+            left = np.exp(-2 * np.pi**2 * variance * waves**2)
+            return np.asarray(fft.idct(fft.dct(values, type=1) * left, type=1))
+        left = np.exp(-2 * np.pi**2 * variance * waves[::2] ** 2)
+        found = fft.irfft(fft.rfft(values[..., :-1]) * left, count)
+        return np.concatenate([found, found[..., :1]], axis=-1)
 
     def slope(self, values: Array) -> Array:
         """Return how values, (..., grid), move with the signal."""
