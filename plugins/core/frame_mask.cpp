@@ -137,7 +137,8 @@ private:
     /// least_left is outside of the mask are followed in part: whole, they would be
     /// fitted to the noise of what is left.
     ///
-    /// Source: G. Golub, R. Varga, Numer. Math. 3, 1961 (Chebyshev semi-iteration).
+    /// Source: G. Golub, R. Varga, Numerische Mathematik 3, 1961 (Chebyshev's
+    /// semi-iterative method).
     void settle(int rounds)
     {
         constexpr double middle = (1.0 + least_left) / 2, half = (1.0 - least_left) / 2;
