@@ -194,7 +194,7 @@ SmoothRow SmoothRows::at(int y) const
 
 double SmoothRows::of(const SmoothRow& line, int x) const
 {
-    double found;
+    double found = 0.0;
     run(line, x, 1, &found);
     return found;
 }
