@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.scenes.gram import Gram, Space
-from cg2raw.diagnose.scenes.selection import Selection, limits
+from cg2raw.diagnose.scenes.selection import Selection, _log_chance, limits
 
 LEAST = math.log(4 / 0.01)
 SPACE = Space.of({"one": 1, "two": 1, "both": 1, "other": 1})
@@ -109,3 +109,9 @@ def test_a_limit_of_several_parameters_costs_half_a_nat_each():
 def test_what_no_scene_shows_has_no_limit():
     _, validation = pair([0, 0, 0, 0], alike=[(1, (0,))])
     assert limits(SPACE, validation, ["one"], ["two"], LEAST)["two"] is None
+
+
+@pytest.mark.parametrize("square", [-1e-12, 0.0, 3.0, 999.0, 2000.0])
+def test_chi_square_of_two_is_exponential(square):
+    """A square that rounding makes negative is none."""
+    assert _log_chance(square, 2) == pytest.approx(-max(square, 0.0) / 2)

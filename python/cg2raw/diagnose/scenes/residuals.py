@@ -121,7 +121,7 @@ class Residuals:
     def _test(self, name: str, squares: float, freedom: float) -> ResidualTest:
         nats = 0.5 * (squares - freedom) / max(self.samples, 1)
         where = WHERE[name]
-        p_value = float(chdtrc(freedom, squares))
+        p_value = float(chdtrc(freedom, max(squares, 0.0)))
         return ResidualTest(name, squares / freedom - 1, p_value, nats, where)
 
 

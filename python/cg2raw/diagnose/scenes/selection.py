@@ -163,7 +163,7 @@ def _log_chance(square: float, freedom: int) -> float:
     """Return the logarithm of the chance that chi-square is as large; where a float
     does not hold that, by the first term of its series."""
     if square < UNDERFLOWS:
-        return math.log(chdtrc(freedom, square))
+        return math.log(chdtrc(freedom, max(square, 0.0)))
     half = square / 2
     return (freedom / 2 - 1) * math.log(half) - half - math.lgamma(freedom / 2)
 
