@@ -61,16 +61,16 @@ public:
             m_places.push_back(place);
             m_values.push_back(sample(place.row, place.col));
         }
-        m_told = m_values;
+        m_in_sums = m_values;
     }
 
     std::vector<double> run(int rounds)
     {
         fill_points_by_rows();
         copy_lines();
-        tell_sums();
+        update_sums();
         settle(rounds);
-        tell_sums();
+        update_sums();
         m_sums.set_field(m_plane);
         return std::move(m_values);
     }
@@ -87,16 +87,16 @@ private:
             && !m_mask.columns[std::size_t(at.col)];
     }
 
-    /// The sums get what is filled in since they were told last.
-    void tell_sums()
+    /// Brings the sums to what is filled in by now.
+    void update_sums()
     {
         std::vector<double> change(m_values);
         for (std::size_t i = 0; i < change.size(); ++i) {
-            change[i] -= m_told[i];
-            m_sums.squares += m_values[i] * m_values[i] - m_told[i] * m_told[i];
+            change[i] -= m_in_sums[i];
+            m_sums.squares += m_values[i] * m_values[i] - m_in_sums[i] * m_in_sums[i];
         }
         add(change, m_sums);
-        m_told = m_values;
+        m_in_sums = m_values;
     }
 
     /// Adds a change of the masked samples to sums, but for squares and field.
@@ -225,7 +225,7 @@ private:
     PlaneSums& m_sums;
     std::vector<int> m_rows, m_columns; ///< the nearest of each that is left
     std::vector<Site> m_places; ///< of masked samples in the plane
-    std::vector<double> m_values, m_told; ///< as they are, and as the sums have them
+    std::vector<double> m_values, m_in_sums; ///< as they are, and as the sums have them
     std::vector<Run> m_runs; ///< of places
 };
 

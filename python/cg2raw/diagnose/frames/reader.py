@@ -33,16 +33,15 @@ def read_frames(
 
     noise : by ISO. pixels : of every frame that are taken; a small frame is whole. None
     for PIXELS, and for fewer of more frames than 64."""
-    shapes = [c.shape for c in capture_set.captures if c.means is None]
-    pixels = pixels or PIXELS_OF_ALL // max(FEW_FRAMES, len(shapes))
+    whole = [c for c in capture_set.captures if c.means is None]
+    pixels = pixels or PIXELS_OF_ALL // max(FEW_FRAMES, len(whole))
     repeat = repeat_of(capture_set.sensor.cfa)
     tiles = {
         shape: tiling(shape, pixels, repeat, _wanted(capture_set, shape))
-        for shape in set(shapes)
+        for shape in {c.shape for c in whole}
     }
     frames = []
-    with_files = [c for c in capture_set.captures if c.means is None]
-    mosaics = read_ahead([c.raw for c in with_files], 1)
+    mosaics = read_ahead([c.raw for c in whole], 1)
     temperature = capture_set.temperature
     for number, capture in enumerate(capture_set.captures):
         share = READING_SHARE * number / len(capture_set.captures)
