@@ -24,6 +24,7 @@ FREE = 1e4  # variance of a nuisance that may be anything
 LEAST_ERROR = 1e-5  # relative; a profile's own digits
 STEP = 1e-6  # of a slope by differences
 ROUNDS = 6  # of Gauss-Newton; two are usual
+SETTLED = 1e-9  # relative: steps that change nothing
 ALIKE = 1e-9  # of the largest singular value: directions that others make up for
 
 # Of light that moves from frame to frame, what is slow down the rows.
@@ -65,10 +66,9 @@ class FlatLevels:
         known : (n, n) covariance of the values where they are not given but drawn
         about them, as other frames have told them: that of all such values together
         is likely, and flats of other light are not told more than they can be."""
-        rest = self.ratios - self.expected(names, values)
+        rest, slopes, _ = self._system(names, values)
         covariance, more = self.covariance, 0.0
         if known is not None:
-            slopes, _ = self._system(names, values)
             covariance = covariance + slopes.T @ known @ slopes
             before, after = (
                 np.linalg.slogdet(one)[1] for one in (self.covariance, covariance)
@@ -81,10 +81,11 @@ class FlatLevels:
         the smallest of those that are alike."""
         values = np.zeros(sum(CHANGES[name][0] for name in names))
         for _ in range(ROUNDS if len(values) else 0):
-            now = self.expected(names, values)
-            slopes, inverse = self._system(names, values)
-            weighted = np.linalg.solve(self.covariance, self.ratios - now)
-            values = values + inverse @ slopes @ weighted
+            rest, slopes, inverse = self._system(names, values)
+            step = inverse @ slopes @ np.linalg.solve(self.covariance, rest)
+            values = values + step
+            if np.abs(step).max() < SETTLED:
+                break
         return values
 
     def known(self, names: Sequence[str]) -> tuple[Array, Array]:
@@ -94,16 +95,20 @@ class FlatLevels:
 
     def covariance_of(self, names: Sequence[str], values: Array) -> Array:
         """Return (n, n) the covariance of values that are fitted."""
-        return self._system(names, values)[1]
+        return self._system(names, values)[-1]
 
-    def _system(self, names: Sequence[str], values: Array) -> tuple[Array, Array]:
-        """Return (slopes of the ratios, the inverse of Fisher's information)."""
+    def _system(
+        self, names: Sequence[str], values: Array
+    ) -> tuple[Array, Array, Array]:
+        """Return what values leave of the ratios, the slopes of these, and the inverse
+        of Fisher's information."""
         now = self.expected(names, values)
         moved = (values + STEP * one for one in np.eye(len(values)))
         slopes = np.array([self.expected(names, one) - now for one in moved]) / STEP
         slopes = slopes.reshape(len(values), len(now))
         information = slopes @ np.linalg.solve(self.covariance, slopes.T)
-        return slopes, np.linalg.pinv(information, rcond=ALIKE, hermitian=True)
+        inverse = np.linalg.pinv(information, rcond=ALIKE, hermitian=True)
+        return self.ratios - now, slopes, inverse
 
     def expected(self, names: Sequence[str], values: Array) -> Array:
         """Return the ratios with effects of names, in the order of the physics."""

@@ -260,12 +260,18 @@ def lag_gains(
     every = {reduction: len(places)}
     every |= {name: 1 for name in LOGARITHMS if alike and name in training.of}
 
+    # Without noise reduction, whatever the other names.
+    without = [
+        one.fitted(_with(places, training.null)) for one in (training, validation)
+    ]
+
     def fitted(lags: Lags, names: Collection[str]) -> tuple[Array, Array, Array]:
         """Return values, their covariance, and the ratios that they expect."""
-        own = np.isin(lags.of, list(names))
-        known = nothing if reduction in names else _with(places, lags.null)
-        values, covariance = lags.fitted(known, ~own & alike)
-        expected = np.full(len(own), lags.lowered(values))
+        values, covariance = without[lags is validation]
+        if reduction in names:
+            own = np.isin(lags.of, list(names))
+            values, covariance = lags.fitted(nothing, ~own & alike)
+        expected = np.full(len(lags.of), lags.lowered(values))
         for name in names:
             if (at := lags.of == name).any():
                 expected[at] = lags.ratios[at].mean()
@@ -273,7 +279,9 @@ def lag_gains(
 
     def value(names: Collection[str], found: tuple[Array, Array, Array]) -> float:
         values, _, expected = found
-        own = validation.fitted(_with(places, values))[0]
+        own = without[True][0]
+        if reduction in names:
+            own = validation.fitted(_with(places, values))[0]
         return validation.value(own) + validation.of_ratios(expected) * alike
 
     gains = gains_in_smallest_set(

@@ -64,6 +64,16 @@ class Block:
     noise_share: Array
 
 
+class _Term(NamedTuple):
+    """What one unit of a component adds to the covariance of some planes: a matrix,
+    (N, N), times the size of a part, (8,)."""
+
+    component: Component
+    is_fixed: bool
+    matrix: Array
+    sizes: Array
+
+
 class _Covariance(NamedTuple):
     """Of a block at some parameters: the covariance, (N, N), without patterns and what
     moves; what one unit of its parameters adds, (K, N, N); patterns; what moves."""
@@ -87,15 +97,16 @@ class MeanImageLikelihood:
         self.planes, self.parameters = planes, planes[0].parameters
         self.statistics = statistics
         everything = list(range(len(planes)))
-        chosen = [(part, everything) for part in range(PIXEL)]
-        chosen += [(PIXEL, [site]) for site in everything]
+        terms = self._terms(everything)
+        chosen = [(part, everything, terms) for part in range(PIXEL)]
+        chosen += [(PIXEL, [site], self._terms([site])) for site in everything]
         side = planes[0].side
         coefficients = [
             coefficients_of(plane.plane, site, side)
             for site, plane in enumerate(planes)
         ]
         self.blocks = []
-        for part, sites in chosen:
+        for part, sites, terms in chosen:
             each = [planes[site].plane for site in sites]
             freedom = float(np.mean([plane.freedom_of_means[part] for plane in each]))
             if freedom <= 0:
@@ -107,7 +118,7 @@ class MeanImageLikelihood:
                 stacked = np.concatenate([coefficients[s][part] for s in sites])
                 noises = [plane.count[part] * plane.mean_noise[part] for plane in each]
                 products = stacked @ stacked.T / np.mean(noises)
-            self.blocks.append(self._block(part, sites, freedom_left, products))
+            self.blocks.append(self._block(part, sites, terms, freedom_left, products))
 
     def _unlike(self, part: int) -> float:
         """Return by how much the freedom of a part is less for waves down the rows."""
@@ -121,15 +132,16 @@ class MeanImageLikelihood:
         return less_of(size, pixel, waves(first.plane, part, True))
 
     def _block(
-        self, part: int, sites: Sequence[int], freedom: float, products: Array
+        self,
+        part: int,
+        sites: Sequence[int],
+        terms: Sequence[_Term],
+        freedom: float,
+        products: Array,
     ) -> Block:
-        each, groups = list[Array](), np.arange(len(self.planes[0].frames))
-        frames = np.tile(groups, len(sites))
-        again = np.equal.outer(frames, frames) / self.planes[0].frames[frames]
-        used = [[c for c in some if c.parts[part]] for some in (FIXED, TEMPORAL)]
-        each += [self._term(component, part, sites) for component in used[0]]
-        each += [again * self._term(component, part, sites) for component in used[1]]
-        places = [self.parameters.of(c.name) for some in used for c in some]
+        used = [term for term in terms if term.component.parts[part]]
+        each = [term.sizes[part] * term.matrix for term in used]
+        places = [self.parameters.of(term.component.name) for term in used]
         return Block(
             part,
             tuple(sites),
@@ -137,7 +149,7 @@ class MeanImageLikelihood:
             products,
             np.array(each).reshape(len(places), *products.shape),
             np.array(places, int),
-            len(used[0]),
+            sum(term.is_fixed for term in used),
             self._neighbours(part, sites),
             self._noise_share(part, sites),
         )
@@ -159,19 +171,26 @@ class MeanImageLikelihood:
                 found[b, groups, a, groups] += covariance
         return found.reshape(len(sites) * count, -1)
 
-    def _term(self, component: Component, part: int, sites: Sequence[int]) -> Array:
-        """Return (N, N), what one unit of a component adds to the covariance."""
-        first = self.planes[0]
-        each = [component.in_means(self.planes[s].plane)[part] for s in sites]
-        vectors = [self.planes[site].vectors(component) for site in sites]
-        one, two = (np.concatenate([v[at] for v in vectors]) for at in (0, -1))
-        signature = np.outer(one, two)
-        if len(vectors[0]) > 1:
-            signature += signature.T
-        alike = component.shared(first.side)[np.ix_(sites, sites)]
-        size = len(self.planes[0].frames)
-        alike = np.repeat(np.repeat(alike, size, 0), size, 1)
-        return float(np.mean(each)) * signature * alike
+    def _terms(self, sites: Sequence[int]) -> list[_Term]:
+        """Return those of all components, of FIXED first."""
+        frames, side = self.planes[0].frames, self.planes[0].side
+        planes, size = [self.planes[site] for site in sites], len(frames)
+        every = np.tile(np.eye(size), (len(sites), len(sites)))
+        again = every / np.tile(frames, len(sites))
+        found = []
+        for number, component in enumerate((*FIXED, *TEMPORAL)):
+            vectors = [plane.vectors(component) for plane in planes]
+            one, two = (np.concatenate([v[at] for v in vectors]) for at in (0, -1))
+            matrix = np.outer(one, two)
+            if len(vectors[0]) > 1:
+                matrix += matrix.T
+            alike = component.shared(side)[np.ix_(sites, sites)]
+            matrix *= np.kron(alike, np.ones((size, size)))
+            if number >= len(FIXED):
+                matrix *= again
+            sizes = np.mean([component.in_means(p.plane) for p in planes], axis=0)
+            found.append(_Term(component, number < len(FIXED), matrix, sizes))
+        return found
 
     def add_to(
         self,
