@@ -155,7 +155,8 @@ def test_gain_where_rounding_hides_the_read_noise(bits, gain, black, read, level
     assert abs(measured.value - gain) < 3 * measured.standard_error < 0.15 * gain
     assert found.fit.lost == "coarse" and found.tails is None
     off = abs(found.each("black level")[0].value - black)
-    assert off < 2 * found.each("black level")[0].standard_error
+    error = found.each("black level")[0].standard_error
+    assert off < 2 * error and error < 0.3  # DN: it lies within a code
     _, in_profile, effects = profile_of(found)
     assert in_profile < 0.4 and found.transfer.saturation is None
     assert not set(effects) - {"lens_shading"}

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cg2raw.model.components import FIXED
+from cg2raw.model.evaluation import Evaluation
 from cg2raw.model.figures import figures_of
 from cg2raw.model.fit import fit, start_of
 from cg2raw.model.likelihood import Likelihood
@@ -55,6 +56,51 @@ def test_a_fit_ends_where_the_score_is_zero():
     inside = known & ~(found.parameters.are_bounded & (found.theta == 0))
     assert np.abs(end.score * error)[inside].max() < 0.05  # of a standard error
     assert end.score[known & ~inside].max() < 0  # at their bound
+
+
+def test_the_score_has_no_step_where_a_pattern_is_none():
+    """Of few codes, which record a pattern the more the wider it is: no kink at 0, at
+    which a fit would stay."""
+    found = Likelihood(planted(11, low=True, noise=0.25, black=16).statistics)
+    theta, _ = start_of(found)
+    for name in ("dsnu", "row_noise"):
+        at = found.parameters.of(name)
+        error = 1 / np.sqrt(found(theta).information[at, at])
+        scores = []
+        for side in (-1e-3, 1e-3):
+            theta[at] = side * error
+            scores.append(found(theta).score[at] * error)
+        assert scores[1] == pytest.approx(scores[0], rel=5e-3), name
+
+
+@pytest.mark.parametrize("seed", [5, 6])
+def test_read_noise_about_whole_codes(seed):
+    """0.21 DN, of which codes hide half: errors have what patterns may hide."""
+    rng, groups = np.random.default_rng(seed), []
+    for kind, seconds, light in (
+        ("dark", 0.0, 0.0),
+        ("dark", 10.0, 0.0),
+        ("flat", 1.0, 150.0),
+        ("flat", 1.0, 500.0),
+    ):
+        info = GroupInfo(kind, ("a", "b"), seconds)
+        noise = np.sqrt(0.21**2 + 0.05 * light) * rng.standard_normal((2, 96, 112))
+        codes = np.rint(16 + light + noise).astype(np.uint16)
+        groups.append((info, [lambda f=f: f for f in codes]))
+    found = fit(frame_statistics(groups, 2, 1023))
+    assert found.is_settled
+    for site in range(4):
+        value, error = found.of("read_noise", site)
+        assert abs(value - 0.21**2) < 2.5 * error < 0.1 * value
+
+
+def test_the_value_is_of_what_is_measured_over_what_is_expected():
+    """0 where both are the same, whatever the freedom."""
+    found, measured = Evaluation(1), np.array([0.1, 3.0])
+    found.add_chi_square(measured, measured, np.ones((2, 1)), np.array([10.0, 2e4]))
+    assert found.value == 0
+    found.add_chi_square(measured, 2 * measured, np.ones((2, 1)), np.array([10.0, 0.0]))
+    assert found.value == pytest.approx(-5 * (np.log(2) - 0.5))
 
 
 def test_values_are_the_same_in_other_units():

@@ -11,6 +11,7 @@ from cg2raw.model.recorded import (
     Profiles,
     Recording,
     differences,
+    fine_records,
     recorded,
     recorder_of,
 )
@@ -190,12 +191,22 @@ def test_two_frames_have_a_spread_of_response():
 
 def test_fine_codes_need_no_table():
     about, levels, places = Offsets(4.0, 0.1, 0.1), np.full(1, 200.0), np.zeros(1)
-    values, slopes = recorder_of(levels, places, EVEN, about, 4.0, WHITE, False)(about)
+    one = recorder_of(levels, places, EVEN, about, 4.0, WHITE, False)
+    assert one.table is None and one.noise_of(4.0) == 4.0 - 1 / 12
+    values, slopes = fine_records(levels, np.array([4.0]), np.array([[0.0, 1.0]]))
     fine = FINE_CODES._replace(place=200.0, variance=4.0 + 1 / 12)
-    assert Recording(*values) == fine
-    assert slopes.sum() == slopes[1, 0] == 1
-    table = recorder_of(levels, places, EVEN, about, 1.0, WHITE, False)
-    np.testing.assert_allclose(table(about)[0], values, rtol=1e-4, atol=1e-9)
+    assert Recording(*np.array(values)[:, 0]) == fine
+    assert np.sum(slopes) == slopes.variance[0, 1] == 1
+    table = recorder_of(levels, places, EVEN, about, 0.6, WHITE, False)
+    np.testing.assert_allclose(table(about)[0], fine, rtol=1e-4, atol=1e-9)
+
+
+@pytest.mark.parametrize("variance", [0.04, 0.1, 0.4])
+def test_noise_is_told_by_the_variance_of_its_codes(variance):
+    about, levels, places = Offsets(0.1, 0.01, 0.01), np.full(1, 20.1), np.zeros(1)
+    one = recorder_of(levels, places, EVEN, about, 0.1, WHITE, False)
+    coded = Recording(*one(about._replace(noise=variance))[0]).variance
+    assert one.noise_of(coded) == pytest.approx(variance, rel=1e-3)
 
 
 @pytest.mark.parametrize(("variance", "share", "ratio"), [(0.3, 0, 1), (4, 0.1, 9)])

@@ -80,6 +80,8 @@ def fitted(
     biases = [n for n in seen.shortest if n in darks]
     if 0 < len(biases) < len(used) and (statistics.frames[biases] > 1).any():
         figures = with_levels(figures, statistics.only(biases))
+    if lost == "coarse":
+        figures = [within_code(one) if one.name == BLACK else one for one in figures]
     figures = [in_dn(one, step, offset) for one in figures]
     if not darks:
         figures = of_flats(figures, seen, used, levels, iso, lost)
@@ -204,6 +206,15 @@ def of_flats(
         gains = [one for one in figures if one.name == "gain"]
         found += [changed(one, error=one.value**2 * slope) for one in gains]
     return found
+
+
+def within_code(figure: Figure) -> Figure:
+    """Return a black level, in steps of codes, that is not less known than an even law
+    within a code."""
+    if figure.standard_error < math.sqrt(ROUNDING):
+        return figure
+    even = Figure.normal(BLACK, figure.unit, figure.value, math.sqrt(ROUNDING))
+    return replace(even, site=figure.site)
 
 
 def in_dn(figure: Figure, step: int, offset: int) -> Figure:

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from cg2raw.model.components import FIXED, TEMPORAL
 from cg2raw.statistics.constant import Array
 
+LEAST_RATIO = 1e-12  # of what was measured and is expected: nothing was measured
+
 
 @dataclass(frozen=True)
 class Parameters:
@@ -75,12 +77,12 @@ class Evaluation:
     def add_chi_square(
         self, measured: Array, expected: Array, slopes: Array, freedom: Array
     ) -> None:
-        """Add variances (N,) of given freedom, whose expectation has slopes (N, n)."""
-        relative = slopes / expected[:, None]
-        self.value -= float(
-            (freedom / 2 * (np.log(expected) + measured / expected)).sum()
-        )
-        self.score += freedom / 2 * (measured / expected - 1) @ relative
+        """Add variances (N,) of given freedom, whose expectation has slopes (N, n). The
+        value is 0 where they are expected as measured, whatever their freedom."""
+        relative, ratio = slopes / expected[:, None], measured / expected
+        nats = freedom / 2 * (ratio - 1 - np.log(np.maximum(ratio, LEAST_RATIO)))
+        self.value -= float(nats.sum())
+        self.score += freedom / 2 * (ratio - 1) @ relative
         self.information += (relative * (freedom / 2)[:, None]).T @ relative
 
     def add_normal(

@@ -21,9 +21,9 @@ from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import PIXEL, Array, ConstantStatistics
 
 ROUNDS = 60  # of scoring; ten are usual
-HALVINGS = 20  # of a step that does not rise
-NEAR = 100.0  # nats to the top: the likelihood is nearly a parabola
-MEMORY = 10  # steps whose curvature counts, from the first that was too far on
+HALVINGS = 10  # of a step that does not rise
+NEAR = 1.0  # nats to the top: the likelihood is nearly a parabola
+MEMORY = 10  # steps whose curvature counts
 # Fits with the light and, if codes are coarse, the offsets by the one before.
 AGAIN = 6
 SETTLED = 0.05  # standard errors that nothing moves any more
@@ -35,6 +35,7 @@ GAIN_DONE = 1e-3  # likewise, where only the value counts
 UNKNOWN = 1e-10
 KNOWN = 1e-6  # likewise: far above, all are known
 ALIKE = 2.0  # nats: fits that differ by less explain alike
+LEAST_START = 0.02  # DN^2, of read noise that a fit starts from
 LEAST_NOISE = 1e-6  # DN^2, of a frame: far below what rounding makes
 LEAST_FREEDOM = 16  # of pixels, that a variance is taken of: it is known to a third
 
@@ -62,6 +63,19 @@ class Fit:
     def known(self) -> NDArray[np.bool_]:
         """(n,) which parameters the frames show."""
         return np.isfinite(np.diagonal(self.covariance))
+
+    def beside(self, own: NDArray[np.bool_], pinned: Array) -> Array:
+        """Return parameters of which those @own, (n,), are pinned, and all others as
+        they are likeliest where the likelihood is normal."""
+        theta = np.where(own, pinned, self.theta)
+        at, others = np.flatnonzero(own), np.flatnonzero(self.known & ~own)
+        moved = np.linalg.solve(
+            self.covariance[np.ix_(at, at)], theta[at] - self.theta[at]
+        )
+        theta[others] += self.covariance[np.ix_(others, at)] @ moved
+        bounded = self.parameters.are_bounded
+        theta[bounded] = np.maximum(theta[bounded], 0.0)
+        return theta
 
     def variance_of(self, slopes: Array) -> float:
         """Return the variance of what has slopes by the parameters, (n,); those that
@@ -206,10 +220,13 @@ def refitted(
                 break
         else:
             break
-        if rise < NEAR and (halving or seen):
+        if rise < NEAR:
             fell = np.where(free, found.score - better.score, 0.0)
             seen = [*seen, (trial - theta, fell)][-MEMORY:]
+        gain = better.value - found.value
         theta, found = trial, better
+        if gain < done:
+            break
     _, covariance = _solved(found.score, found.information, free)
     return Fit(likelihood.parameters, theta, covariance, found.value, likelihood)
 
@@ -309,8 +326,9 @@ def start_of(
     rest = int(darks.sum()) - likelihood.levels.parameters_of_means
     free[parameters.of("black_level_drift")] = (darks & first.repeats).any() or rest > 0
     free[parameters.each("black_level")] = darks.any()
-    if profile is not None and likelihood.means.statistics.dark_codes <= 2:
-        # Of two codes there is one share: it tells the noise, or the level.
+    # Of two codes there is one share: it tells the noise, or the level.
+    has_share = likelihood.means.statistics.dark_codes <= 2
+    if profile is not None and has_share:
         free[parameters.each("black_level")] = False
         free[parameters.of("black_level_drift")] = False
     free[parameters.each("read_noise")] = is_told
@@ -318,7 +336,10 @@ def start_of(
         theta = np.where(free, theta, profile)
     _start_levels(likelihood, theta, darks)
     for plane in likelihood.planes:
-        _start_noise(plane, theta, free, profile)
+        noise = plane.scatter[:, PIXEL] - ROUNDING
+        _start_noise(
+            plane, theta, free, profile, noise if has_share else plane.unrounded()
+        )
     _start_patterns(likelihood, theta, free)
     return theta, free
 
@@ -329,13 +350,8 @@ def _start_levels(
     parameters, first = likelihood.parameters, likelihood.planes[0]
     if not darks.any():
         return
-    noise = max(float(first.scatter[first.measured, PIXEL].min()) - ROUNDING, 0.02)
-    places = np.array(
-        [
-            [r(r.about._replace(noise=noise))[0][0] for r in p.recorders]
-            for p in likelihood.planes
-        ]
-    )
+    noise = max(float(first.unrounded()[first.measured].min()), LEAST_START)
+    places = np.array([plane.places(noise) for plane in likelihood.planes])
     time, weights = first.time[darks], np.sqrt(first.frames[darks])
     design = np.column_stack([np.ones(len(time)), time])
     if not np.ptp(time):
@@ -364,11 +380,15 @@ def _start_noise(
     theta: Array,
     free: NDArray[np.bool_],
     profile: Array | None,
+    noise: Array,
 ) -> None:
-    """Least squares of the scatter, each weighted by its own measured size."""
+    """Least squares of the scatter, each weighted by its own measured size.
+
+    noise : (G,) DN^2, of pixels before it is recorded."""
     place = plane.parameters.of
     read, gain = place("read_noise", plane.site), place("gain", plane.site)
-    rest = plane.scatter - ROUNDING - (0.0 if free[read] else theta[read])
+    hidden = plane.scatter[:, PIXEL] - noise
+    rest = plane.scatter - hidden[:, None] - (0.0 if free[read] else theta[read])
     theta[gain] = 0.0
     if free[read]:
         theta[read] = 1.0
@@ -381,7 +401,7 @@ def _start_noise(
     columns = [n for n in (read, gain, *names) if free[n]]
     by_variance = np.zeros((len(signal), len(theta)))
     by_variance[:, read], by_variance[:, gain] = 1.0, signal
-    _, by = plane.temporal(theta, *fine_records(by_variance))
+    _, by = plane.temporal(theta, *fine_records(0 * signal, 0 * signal, by_variance))
     freedom = plane.freedom.copy()
     single = plane.measured & ~plane.repeats
     freedom[single, PIXEL] = plane.plane.freedom[PIXEL]
@@ -391,7 +411,7 @@ def _start_noise(
     scale = np.abs(design).max(axis=0) + 1e-300
     values = np.linalg.lstsq(design / scale, rest[known] * weights, rcond=None)[0]
     theta[columns] = np.maximum(values / scale, 0.0)
-    theta[read] = max(theta[read], 0.02)
+    theta[read] = max(theta[read], LEAST_START)
 
 
 def _start_patterns(
@@ -441,22 +461,17 @@ def gain_of(
     free = validation.known & ~own
     let = free if prior is None else free | own
 
-    def values(start: Array) -> list[float]:
-        sides = (profile, let, prior), (trained, free, None)
+    def values(starts: Sequence[Array]) -> list[float]:
+        sides = (let, prior), (free, None)
         return [
-            refitted(
-                validation.likelihood,
-                np.where(own, pinned, start),
-                let,
-                about,
-                GAIN_DONE,
-            ).value
-            for pinned, let, about in sides
+            refitted(validation.likelihood, start, free, about, GAIN_DONE).value
+            for start, (free, about) in zip(starts, sides, strict=True)
         ]
 
-    null, found = values(validation.theta)
+    null, found = values([validation.beside(own, to) for to in (profile, trained)])
     if found - null > least and validation.likelihood.is_coarse:
         # Few codes have several explanations: the likelier one of two starts counts.
-        again = values(np.where(validation.known, profile, validation.theta))
+        start = np.where(validation.known, profile, validation.theta)
+        again = values([np.where(own, to, start) for to in (profile, trained)])
         null, found = max(null, again[0]), max(found, again[1])
     return found - null if np.isfinite([null, found]).all() else 0.0

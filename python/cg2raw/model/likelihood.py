@@ -40,11 +40,7 @@ class Likelihood:
             )
             for site in range(len(statistics.planes))
         ]
-        self.is_coarse = any(
-            recorder.table is not None
-            for plane in self.planes
-            for recorder in plane.recorders
-        )
+        self.is_coarse = any(plane.coarse for plane in self.planes)
         self.means = MeanImageLikelihood(self.planes, statistics)
         self.levels = LevelLikelihood(self.planes, statistics, theta)
         self.has_means = True

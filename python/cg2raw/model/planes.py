@@ -27,6 +27,7 @@ from cg2raw.model.recorded import (
     Recorder,
     Recording,
     Records,
+    fine_records,
     recorder_of,
     shrunk,
 )
@@ -103,6 +104,8 @@ class PlaneLikelihood:
         these = [lines + len(pixels) * [False], len(lines) * [False] + pixels]
         self.in_places = np.array(these)[:, None] * np.array(sizes).T
         self.recorders = self._recorders(statistics.white, theta, earlier)
+        self.levels = np.array([one.level for one in self.recorders])
+        self.coarse = [g for g, one in enumerate(self.recorders) if one.table]
         # The same lines put all their pixels elsewhere within a code.
         by_lines = np.array([one.by_lines for one in self.recorders])
         chance = by_lines / (min(plane.shape) * again[:, 0])
@@ -127,6 +130,7 @@ class PlaneLikelihood:
             about = self._recorded_offsets()
         else:
             about = np.vstack([self.offsets(theta)[0], self._charged(theta)])
+            about[1:] = np.maximum(about[1:], 0.0)
         usual = self.scatter[self.measured, PIXEL].min(initial=np.inf)
         noise = np.where(self.measured, self.scatter[:, PIXEL], usual)
         found = []
@@ -182,8 +186,6 @@ class PlaneLikelihood:
         by[0, ~self.is_flat, place("dark_current")] = charge
         by[1:, :, place(TEMPORAL[0].name) :] = self.in_places
         found = np.array([self.noise(theta), *(by[1:] @ theta)])
-        by[1:][found[1:] < 0] = 0.0
-        found[1:] = np.maximum(found[1:], 0.0)
         return found, by
 
     def _light(self, theta: Array | None) -> Array:
@@ -213,18 +215,30 @@ class PlaneLikelihood:
         found: Array = theta[read] + theta[gain] * self.signal(theta)
         return found
 
+    def unrounded(self) -> Array:
+        """Return (G,) DN^2, the noise of pixels before it is recorded, by its codes."""
+        both = zip(self.recorders, self.scatter[:, PIXEL], strict=True)
+        return np.array([recorder.noise_of(variance) for recorder, variance in both])
+
+    def places(self, noise: float) -> Array:
+        """Return (G,) DN, where signals lie whose pixels have a noise, DN^2."""
+        found = self.levels.copy()
+        for g in self.coarse:
+            one = self.recorders[g]
+            found[g] = one(one.about._replace(noise=noise))[0][0]
+        return found
+
     def records(self, theta: Array) -> Records:
         """Return what is recorded, (G,) each, and its slopes by parameters, (G, n)."""
         offsets, by = self.offsets(theta)
-        known = [
-            recorder(Offsets(*each))
-            for recorder, each in zip(self.recorders, offsets.T, strict=True)
-        ]
-        slopes = np.array([slope for _, slope in known])
-        values = np.array([value for value, _ in known]).T
-        return Records(
-            Recording(*values), Recording(*np.einsum("gro,ogn->rgn", slopes, by))
-        )
+        found = fine_records(self.levels, offsets[0], by[0])
+        for g in self.coarse:
+            known, slopes = self.recorders[g](Offsets(*offsets[:, g]))
+            moved = slopes @ by[:, g]
+            for name, value, slope in zip(Recording._fields, known, moved, strict=True):
+                getattr(found.values, name)[g] = value
+                getattr(found.slopes, name)[g] = slope
+        return found
 
     def temporal(
         self, theta: Array, known: Recording[Array], moving: Recording[Array]

@@ -3,7 +3,7 @@
 """What a converter records of normal noise: rounded to codes, clipped at 0 and white.
 
 Mean and variance of codes are those of the signal and 1/12 DN^2 more while noise is
-above 1.2 DN. Below, they depend on where between two codes the signal lies."""
+above 0.7 DN. Below, they depend on where between two codes the signal lies."""
 
 import math
 from collections.abc import Sequence
@@ -18,9 +18,11 @@ from scipy.special import ndtr
 from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import PLACES, Array
 
-# DN^2. Above, codes change mean and variance by less than 1e-11 of a code: the first
-# term of Sheppard's series, exp(-2 pi^2 variance) (W. Sheppard, 1898).
-FINE = 1.5
+# DN^2. Above, where a signal lies changes the variance of its codes by less than 1e-4,
+# which takes a hundred million samples to see: 4 exp(-2 pi^2 variance), the first term
+# of Sheppard's series (W. Sheppard, 1898).
+FINE = 0.54
+FEW_CODES = 1.5  # DN^2. Below, draws are told by their codes
 REACH = 7  # sigma: beyond, a normal distribution has 3e-12
 # Places per DN and per sigma, the fewer of both: between them moments are linear.
 STEPS, STEPS_PER_SIGMA = 128, 32
@@ -33,6 +35,8 @@ SETTLED = 1e-6  # DN
 SAME = 0.01  # relative, of offsets for which a table stays as it is
 AROUND = 4  # times the noise by the codes, or by a fit: the table's reach to each side
 NOISES = 7  # in the table
+FINELY = 200  # places in the table, of which one is looked up
+SLOPES = 3  # of each how many of them slopes by other offsets are taken
 NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
 WEIGHTS = WEIGHTS / WEIGHTS.sum()
 
@@ -132,12 +136,15 @@ def joined(each: Sequence[Records]) -> Records:
     return Records(values, slopes)
 
 
-def fine_records(by_variance: Array) -> Records:
-    """Return those of fine codes, of noise whose slopes are (G, n)."""
-    groups = len(by_variance)
-    values = Recording(*(np.full(groups, one) for one in FINE_CODES))
-    slopes = Recording(*([0 * by_variance] * len(values)))
-    return Records(values, slopes._replace(variance=by_variance))
+def fine_records(levels: Array, noise: Array, by_noise: Array) -> Records:
+    """Return those of fine codes, of (G,) levels and noise, DN and DN^2, and of the
+    slopes of the noise, (G, n)."""
+    values = Recording(*(np.full(len(levels), one) for one in FINE_CODES))
+    slopes = Recording(*np.zeros((len(values), *by_noise.shape)))
+    return Records(
+        values._replace(place=levels.copy(), variance=noise + ROUNDING),
+        slopes._replace(variance=by_noise),
+    )
 
 
 FINE_CODES = Recording(0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0)
@@ -170,9 +177,9 @@ class Recorder:
 
     level : DN, of the codes. about : offsets for which the table is exact, of noise
     within AROUND; near them it is linear. table : of (Recording, slopes by lines,
-    slopes by fixed), (36,), by the logarithm of the noise's variance; None where codes
-    are fine in any case. by_lines : DN^4, variance of the variance of codes from line
-    to line, by where their offsets put them."""
+    slopes by fixed), (3, 12), by the logarithm of the noise's variance; None where
+    codes are fine in any case. by_lines : DN^4, variance of the variance of codes from
+    line to line, by where their offsets put them."""
 
     level: float
     about: Offsets
@@ -187,14 +194,21 @@ class Recorder:
         moved = np.abs(np.subtract(offsets, self.about))
         return bool((moved <= SAME * np.array(self.about) + SAME * LEAST_OFFSET).all())
 
-    def __call__(self, offsets: Offsets) -> tuple[Array, Array]:
-        """Return a Recording, (12,), and its slopes by the offsets, (12, 3)."""
-        noise = offsets.noise
+    def noise_of(self, variance: float) -> float:
+        """Return the noise whose codes have a variance, DN^2, within the table."""
         if self.table is None:
-            fine = FINE_CODES._replace(place=self.level, variance=noise + ROUNDING)
-            return np.array(fine), np.eye(len(fine), 3, -1) * [1.0, 0.0, 0.0]
+            return variance - ROUNDING
+        at = np.linspace(self.table.x[0], self.table.x[-1], FINELY)
+        place = Recording._fields.index("variance")
+        return float(np.interp(variance, self.table(at)[:, 0, place], np.exp(at)))
+
+    def __call__(self, offsets: Offsets) -> tuple[Array, Array]:
+        """Return a Recording, (12,), and its slopes by the offsets, (12, 3), of codes
+        that are not fine."""
+        assert self.table is not None
+        noise = offsets.noise
         at = np.clip(np.log(noise), *self.table.x[[0, -1]])
-        known, slopes = (self.table(at, n).reshape(3, -1) for n in (0, 1))
+        known, slopes = self.table(at), self.table(at, 1)
         lines, fixed = (
             offsets.lines - self.about.lines,
             offsets.fixed - self.about.fixed,
@@ -240,7 +254,7 @@ def recorder_of(
         tuple(float((np.diff(one) ** 2).sum() / 2 / len(one)) for one in profiles),
     )
     steps = [0.1 * value + LEAST_OFFSET for value in (about.lines, about.fixed)]
-    table, by_lines = [], 0.0
+    known, slopes, by_lines = list[Array](), list[Array](), 0.0
     middle = max(about.noise, LEAST)
     variances = np.geomspace(middle / AROUND, middle * AROUND, NOISES)
     for number, variance in enumerate(variances):
@@ -250,16 +264,15 @@ def recorder_of(
         found, of_lines = _recording(law, image, one)
         if number == NOISES // 2:
             by_lines = of_lines
-        known = [np.array(found)]
-        for more, step in zip(
-            (one._replace(lines=ends.lines), one._replace(fixed=ends.fixed)),
-            steps,
-            strict=True,
-        ):
-            moved = np.array(_recording(law, image, more)[0])
-            known.append((moved - known[0]) / step)
-        table.append(np.concatenate(known))
-    return Recorder(level, about, CubicSpline(np.log(variances), table), by_lines)
+        known.append(np.array(found))
+        if number % SLOPES == 0:
+            each = one._replace(lines=ends.lines), one._replace(fixed=ends.fixed)
+            moved = [np.array(_recording(law, image, more)[0]) for more in each]
+            slopes.append((np.array(moved) - known[-1]) / np.array(steps)[:, None])
+    at = np.log(variances)
+    every = CubicSpline(at[::SLOPES], slopes)(at)  # (NOISES, 2, 12)
+    table = np.concatenate([np.array(known)[:, None], every], axis=1)
+    return Recorder(level, about, CubicSpline(at, table), by_lines)
 
 
 class _Image(NamedTuple):
@@ -322,12 +335,14 @@ class _Codes:
             left = np.exp(-2 * np.pi**2 * variance * waves**2)
             return np.asarray(fft.idct(fft.dct(values, type=1) * left, type=1))
         left = np.exp(-2 * np.pi**2 * variance * waves[::2] ** 2)
-        found = fft.irfft(fft.rfft(values[..., :-1]) * left, count)
+        found = np.fft.irfft(np.fft.rfft(values[..., :-1]) * left, count)
         return np.concatenate([found, found[..., :1]], axis=-1)
 
     def slope(self, values: Array) -> Array:
         """Return how values, (..., grid), move with the signal."""
-        found: Array = np.gradient(values, self.grid[1] - self.grid[0], axis=-1)
+        found, step = np.empty_like(values), self.grid[1] - self.grid[0]
+        found[..., 1:-1] = (values[..., 2:] - values[..., :-2]) / (2 * step)
+        found[..., [0, -1]] = (values[..., [1, -1]] - values[..., [0, -2]]) / step
         return found
 
     def signals(self, mean: Array, codes: Array, shifts: Array) -> Array:
@@ -355,8 +370,8 @@ def _recording(
     levels, places, frames = image.levels, image.places, image.frames
     # Places have what lines of all frames have in common; the rest is new in each.
     again = 1 / frames if len(places) > 1 else 0.0
-    square = max(offsets.lines * (1 - again), LEAST_OFFSET)
-    fixed = max(offsets.fixed, LEAST_OFFSET)
+    square = offsets.lines * (1 - again) + LEAST_OFFSET
+    fixed = offsets.fixed + LEAST_OFFSET
     # With the offsets of lines, on the grid.
     line, of_noise = law.grid * law.inside, law.slope(law.mean)
     mean, variance, by_noise = law.smoothed(

@@ -274,8 +274,8 @@ class ConstantStatistics:
     @cached_property
     def dark_codes(self) -> int:
         """How many codes darks have."""
-        darks = [plane.codes[~self.is_flat].sum(axis=0) for plane in self.planes]
-        return int(np.count_nonzero(sum(darks)))
+        darks = [plane.codes[~self.is_flat].any(axis=0) for plane in self.planes]
+        return len({int(code) for has in darks for code in np.flatnonzero(has)})
 
     def darks_by_time(self, split: str | None = None) -> list[NDArray[np.intp]]:
         """Return the numbers of darks that repeat each other, of each exposure time,

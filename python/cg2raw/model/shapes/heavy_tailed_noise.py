@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from scipy.special import erf, erfc, erfinv, expit, logit
 
 from cg2raw.model.figures import NORMAL, Figure
-from cg2raw.model.recorded import FINE, differences
+from cg2raw.model.recorded import FEW_CODES, differences
 from cg2raw.model.shapes.base import Shape, Shown, points_of
 from cg2raw.model.shapes.random_telegraph_noise import nats_beside_jumps
 from cg2raw.statistics.codes import ROUNDING
@@ -41,7 +41,7 @@ class Tails:
 
     @cached_property
     def is_coarse(self) -> bool:
-        return self.power < FINE + ROUNDING
+        return self.power < FEW_CODES + ROUNDING
 
     def shares(
         self, scale: float, share: float, ratio: float, lasting: bool = False

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cg2raw.model.dark_law import DarkLaw, fitted, median_of, nats_of, with_hot
 from cg2raw.model.figures import Figure
-from cg2raw.model.recorded import FINE
+from cg2raw.model.recorded import FEW_CODES
 from cg2raw.model.shapes.base import Shape, Shown, nats_of_overlap, points_of
 from cg2raw.model.shapes.random_telegraph_noise import noisy_outliers
 from cg2raw.statistics.dark_rates import slope_of
@@ -51,7 +51,7 @@ def dark_median(
     large. is_normal : it has no tails."""
     darks = shown.statistics.shortest_darks(split)
     each = [plane.power[darks].min(initial=np.inf) for plane in shown.statistics.planes]
-    law = LAW if min(each) > FINE and is_normal else 1.0
+    law = LAW if min(each) > FEW_CODES and is_normal else 1.0
     for one in shown.statistics.rates:
         if one.split == split:
             value, error = median_of(one.counts.astype(float), shown.shot(one))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtri, erfc, log_ndtr, ndtr
 
 from cg2raw.model.figures import Figure
-from cg2raw.model.recorded import FINE, differences
+from cg2raw.model.recorded import FEW_CODES, differences
 from cg2raw.model.shapes.base import Shape, Shown, nats_beyond, points_of
 from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import BINS_PER_SIGMA, Array
@@ -162,7 +162,7 @@ def clumped(shown: Shown) -> float:
     NOISY in the same pixel: it depends on where within a code a pixel is."""
     darks = shown.statistics.shortest_darks(shown.splits[0])
     power = min(float(plane.power[darks].min()) for plane in shown.statistics.planes)
-    if power > FINE:
+    if power > FEW_CODES:
         return 1.0
     shares = differences(np.arange(PLACES) / PLACES, max(power - ROUNDING, 1e-3))
     beyond = np.floor(NOISY * np.sqrt(2 * power))
