@@ -336,10 +336,9 @@ def start_of(
         theta = np.where(free, theta, profile)
     _start_levels(likelihood, theta, darks)
     for plane in likelihood.planes:
-        noise = plane.scatter[:, PIXEL] - ROUNDING
-        _start_noise(
-            plane, theta, free, profile, noise if has_share else plane.unrounded()
-        )
+        coded = plane.scatter[:, PIXEL] - ROUNDING
+        noise = coded if has_share else plane.unrounded()
+        _start_noise(plane, theta, free, profile, noise)
     _start_patterns(likelihood, theta, free)
     return theta, free
 
@@ -462,10 +461,10 @@ def gain_of(
     let = free if prior is None else free | own
 
     def values(starts: Sequence[Array]) -> list[float]:
-        sides = (let, prior), (free, None)
+        sides = zip(starts, ((let, prior), (free, None)), strict=True)
         return [
-            refitted(validation.likelihood, start, free, about, GAIN_DONE).value
-            for start, (free, about) in zip(starts, sides, strict=True)
+            refitted(validation.likelihood, start, used, about, GAIN_DONE).value
+            for start, (used, about) in sides
         ]
 
     null, found = values([validation.beside(own, to) for to in (profile, trained)])
