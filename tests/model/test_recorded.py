@@ -202,7 +202,7 @@ def test_fine_codes_need_no_table():
 
 
 @pytest.mark.parametrize("variance", [0.04, 0.1, 0.4])
-def test_noise_is_told_by_the_variance_of_its_codes(variance):
+def test_noise_is_estimated_from_the_variance_of_its_codes(variance):
     about, levels, places = Offsets(0.1, 0.01, 0.01), np.full(1, 20.1), np.zeros(1)
     one = recorder_of(levels, places, EVEN, about, 0.1, WHITE, False)
     coded = Recording(*one(about._replace(noise=variance))[0]).variance

@@ -64,7 +64,7 @@ class Fit:
         """(n,) which parameters the frames show."""
         return np.isfinite(np.diagonal(self.covariance))
 
-    def beside(self, own: NDArray[np.bool_], pinned: Array) -> Array:
+    def given(self, own: NDArray[np.bool_], pinned: Array) -> Array:
         """Return parameters of which those @own, (n,), are pinned, and all others as
         they are likeliest where the likelihood is normal."""
         theta = np.where(own, pinned, self.theta)
@@ -467,7 +467,7 @@ def gain_of(
             for start, (used, about) in sides
         ]
 
-    null, found = values([validation.beside(own, to) for to in (profile, trained)])
+    null, found = values([validation.given(own, to) for to in (profile, trained)])
     if found - null > least and validation.likelihood.is_coarse:
         # Few codes have several explanations: the likelier one of two starts counts.
         start = np.where(validation.known, profile, validation.theta)

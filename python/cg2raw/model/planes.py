@@ -104,7 +104,7 @@ class PlaneLikelihood:
         these = [lines + len(pixels) * [False], len(lines) * [False] + pixels]
         self.in_places = np.array(these)[:, None] * np.array(sizes).T
         self.recorders = self._recorders(statistics.white, theta, earlier)
-        self.levels = np.array([one.level for one in self.recorders])
+        self.levels = np.array([each.mean() for each in plane.levels])
         self.coarse = [g for g, one in enumerate(self.recorders) if one.table]
         # The same lines put all their pixels elsewhere within a code.
         by_lines = np.array([one.by_lines for one in self.recorders])
@@ -235,9 +235,8 @@ class PlaneLikelihood:
         for g in self.coarse:
             known, slopes = self.recorders[g](Offsets(*offsets[:, g]))
             moved = slopes @ by[:, g]
-            for name, value, slope in zip(Recording._fields, known, moved, strict=True):
-                getattr(found.values, name)[g] = value
-                getattr(found.slopes, name)[g] = slope
+            for values, by_each, value, slope in zip(*found, known, moved, strict=True):
+                values[g], by_each[g] = value, slope
         return found
 
     def temporal(

@@ -22,7 +22,7 @@ from cg2raw.statistics.constant import PLACES, Array
 # which takes a hundred million samples to see: 4 exp(-2 pi^2 variance), the first term
 # of Sheppard's series (W. Sheppard, 1898).
 FINE = 0.54
-FEW_CODES = 1.5  # DN^2. Below, draws are told by their codes
+FEW_CODES = 1.5  # DN^2. Below, the law of single draws is that of their codes
 REACH = 7  # sigma: beyond, a normal distribution has 3e-12
 # Places per DN and per sigma, the fewer of both: between them moments are linear.
 STEPS, STEPS_PER_SIGMA = 128, 32
@@ -175,13 +175,12 @@ class Offsets(NamedTuple):
 class Recorder:
     """A group of frames whose mean code is known: where its signal lies follows.
 
-    level : DN, of the codes. about : offsets for which the table is exact, of noise
-    within AROUND; near them it is linear. table : of (Recording, slopes by lines,
-    slopes by fixed), (3, 12), by the logarithm of the noise's variance; None where
-    codes are fine in any case. by_lines : DN^4, variance of the variance of codes from
-    line to line, by where their offsets put them."""
+    about : offsets for which the table is exact, of noise within AROUND; near them it
+    is linear. table : of (Recording, slopes by lines, slopes by fixed), (3, 12), by the
+    logarithm of the noise's variance; None where codes are fine in any case. by_lines :
+    DN^4, variance of the variance of codes from line to line, by where their offsets
+    put them."""
 
-    level: float
     about: Offsets
     table: CubicSpline | None
     by_lines: float = 0.0
@@ -233,7 +232,7 @@ def recorder_of(
     of places, all alike probable, differ from the mean level. noise : DN^2, of codes.
     cut : some samples are at 0 or at white; hot or dead ones may be, which no law of
     the others is of."""
-    level, frames = float(levels.mean()), len(levels)
+    frames = len(levels)
     if np.ptp(places) <= NARROW:
         places = np.zeros(1)
     if np.ptp(levels) <= NARROW:
@@ -242,7 +241,7 @@ def recorder_of(
     low = levels.min() + places.min() - reach
     inside = not cut or (low > 0 and levels.max() + places.max() + reach < white)
     if inside and noise > FINE + ROUNDING:
-        return Recorder(level, about, None)
+        return Recorder(about, None)
     image = _Image(
         levels,
         places,
@@ -272,7 +271,7 @@ def recorder_of(
     at = np.log(variances)
     every = CubicSpline(at[::SLOPES], slopes)(at)  # (NOISES, 2, 12)
     table = np.concatenate([np.array(known)[:, None], every], axis=1)
-    return Recorder(level, about, CubicSpline(at, table), by_lines)
+    return Recorder(about, CubicSpline(at, table), by_lines)
 
 
 class _Image(NamedTuple):
