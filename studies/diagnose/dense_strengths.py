@@ -135,6 +135,20 @@ def _bias(rng: Generator, s: float, unit: Unit) -> Parameters:
     return {**slopes, "edge_length": rng.uniform(1, 5)}
 
 
+def _mismatch(rng: Generator, s: float, unit: Unit) -> Parameters:
+    ways = "horizontal", "vertical"
+    chosen = rng.choice(ways)
+    steps = {
+        "offset": s * unit.read_noise * _sign(rng),
+        "response": rng.uniform(0.002, 0.01) * _sign(rng),
+    }
+    return {
+        f"{way}_{step}": value if way == chosen else 0.0
+        for way in ways
+        for step, value in steps.items()
+    }
+
+
 def _one(name: str, unit_of: str = "", signed: bool = False) -> Draw:
     """Return the draw of an effect with one parameter, in a field of Unit or none."""
 
@@ -185,6 +199,7 @@ DRAWS: Mapping[str, Draw] = {
     "noise_reduction": lambda rng, s, _: {"blend": s, "diagonal": 0.25 * s * s},
     "bias_structure": _bias,
     "black_level_drift": _one("sigma", "read_noise"),
+    "amplifier_mismatch": _mismatch,
     "read_noise_correlation": _one("coefficient", signed=True),
     "dark_current_nonuniformity": lambda rng, s, unit: {
         "rate": s * unit.electron,

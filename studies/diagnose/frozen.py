@@ -22,17 +22,17 @@ FOLDER = Path(__file__).with_name("frozen")
 SEALS = FOLDER / "seals.json"
 SEED = 31415
 SIZES = {
-    "single": 680,
+    "single": 700,
     "pairs": 100,
     "triples": 50,
     "none": 1000,
     "low-none": 200,
     "nine": 60,
     "real": 100,
-    "unknown": 85,
+    "unknown": 71,
     "nuisance-none": 400,
 }
-SEALED = {"single": 34, "unknown": 6}  # first sets; of others one
+SEALED = {"single": 35, "unknown": 5}  # first sets; of others one
 FIELDS = ("number", "seed", "decided_by", "hidden")
 DARKS, SCENES = "darks and flats", "scenes"
 

@@ -80,10 +80,11 @@ WEAKEST = 0.02
 GENERATIONS = {
     0: FIRST_NAMES,
     100000: tuple(KINDS)[len(FIRST_NAMES) : 33],
-    200000: tuple(KINDS)[33:],
+    200000: tuple(KINDS)[33:34],
+    300000: tuple(KINDS)[34:],
 }
 # Of the suite unknown: what it went through when it began, of which some is known now.
-ONCE_UNKNOWN = ("lens_distortion", *UNKNOWN_KINDS)
+ONCE_UNKNOWN = ("lens_distortion", *UNKNOWN_KINDS, "amplifier_mismatch")
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,14 @@ def _black_level(values: Values, unit: Unit) -> dict[str, float]:
     return {f"offset_{key[3:]}": value * unit.dn for key, value in values.items()}
 
 
+def _mismatch(values: Values, unit: Unit) -> dict[str, float]:
+    way = "vertical" if values["one_above_the_other"] else "horizontal"
+    return {
+        f"{way}_offset": values["read_noises"] * unit.read_noise,
+        f"{way}_response": values["gain"],
+    }
+
+
 TRUTHS: Mapping[str, Callable[[Values, Unit], dict[str, float]]] = {
     "exposure": lambda v, _: {"gain": _stops(v["stops"])},
     "white_balance": lambda v, _: {
@@ -67,6 +75,7 @@ TRUTHS: Mapping[str, Callable[[Values, Unit], dict[str, float]]] = {
     "column_fixed_pattern": _spread,
     "dsnu": _spread,
     "black_level_drift": _spread,
+    "amplifier_mismatch": _mismatch,
     "black_level": _black_level,
     "pdaf_pixels": lambda v, _: {
         "gain": -v["loss"],

@@ -24,6 +24,38 @@ def test_bias_structure_is_ramps_and_an_edge_that_fades():
     assert (white == 1.0).all(), "it falls on the read-out, behind the clipping"
 
 
+STEPS = {
+    "horizontal_offset": 0.02,
+    "vertical_offset": -0.01,
+    "horizontal_response": 0.2,
+    "vertical_response": -0.4,
+}
+READ = {f"beta2_{site}": 1e-4 for site in ("00", "01", "10", "11")}
+
+
+@pytest.mark.parametrize("height, width", [(150, 180), (151, 183)])
+def test_amplifier_mismatch_is_a_step_in_the_middle(height, width):
+    """Amplifiers act on light with its noise, and not on what is read beside them."""
+    settings = [
+        *[("shot_noise", SHOT), ("amplifier_mismatch", STEPS), ("read_noise", READ)]
+    ]
+    seen, mean, variance = drawn(0.2, settings, height, width)
+    right = np.where(np.arange(width) < width // 2, -0.5, 0.5)
+    below = np.where(np.arange(height) < height // 2, -0.5, 0.5)[:, None]
+    factor = 1 + 0.2 * right - 0.4 * below
+    np.testing.assert_allclose(
+        mean, 0.2 * factor + 0.02 * right - 0.01 * below, atol=1e-7
+    )
+    np.testing.assert_allclose(variance, 4e-4 * factor**2 + 1e-4, rtol=1e-5)
+    normal = (seen - mean) / np.sqrt(variance)
+    parts = [half for one in np.split(normal, [height // 2]) for half in
+             np.split(one, [width // 2], axis=1)]  # fmt: skip
+    for part in parts:
+        of_mean, of_variance = deviates(part.size)
+        assert part.mean() == pytest.approx(0, abs=of_mean)
+        assert part.var() == pytest.approx(1, abs=of_variance)
+
+
 def test_black_level_drift_is_one_normal_number_per_frame():
     settings = [("black_level_drift", {"sigma": 0.01})]
     offsets = []

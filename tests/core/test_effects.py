@@ -26,7 +26,8 @@ NAMED = """color_matrix exposure white_balance
     veiling_glare crosstalk dust gr_gb_imbalance mains_flicker pdaf_pixels prnu
     amplifier_glow dark_current dark_current_nonuniformity hot_pixels nonlinearity
     poisson_shot_noise shot_noise full_well
-    bias_structure black_level black_level_drift column_fixed_pattern dsnu
+    amplifier_mismatch bias_structure black_level black_level_drift
+    column_fixed_pattern dsnu
     heavy_tailed_noise random_telegraph_noise read_noise read_noise_correlation
     row_noise quantisation noise_reduction"""
 # Parameters that act only where the effect's others do.
@@ -64,7 +65,8 @@ TIMED = "amplifier_glow dark_current dark_current_nonuniformity hot_pixels".spli
 ON_NOISE = {"read_noise_correlation": "read_noise"}
 # Their centre, or their mean, is that of the image.
 OF_THE_IMAGE = """lens_shading color_shading lateral_chromatic_aberration
-    lens_distortion veiling_glare amplifier_glow bias_structure""".split()
+    lens_distortion veiling_glare amplifier_glow amplifier_mismatch
+    bias_structure""".split()
 OF_A_FRAME = ("black_level_drift",)  # all its pixels share one draw
 # Of the order of the noise, and so that no sample lies far from its level.
 BASE = {

@@ -14,6 +14,7 @@ from cg2raw.diagnose.effects.catalogue import names, of_images
 from cg2raw.diagnose.effects.registry import stated_by
 from cg2raw.diagnose.verdict.values import values_of
 from cg2raw.model import dark_levels, flat_levels, lags, selection
+from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
 from cg2raw.model.shapes import (
     dust,
     heavy_tailed_noise,
@@ -64,6 +65,7 @@ PARTS = (
     flat_levels.CHANGES,
     set(selection.NAMES) - set(dark_levels.LEVELS),  # variances
     lags.NAMES,
+    [MISMATCH],
     [module.__name__.rpartition(".")[2] for module in SHAPES],
 )
 OF_DARKS_AND_FLATS = sorted(name for part in PARTS for name in part)
@@ -125,6 +127,28 @@ def test_a_shape_of_another_size_than_the_profile_states_is_named(name):
         )
         truth = STATED[name][key] - beyond
         assert abs(value - truth) < 2 * max(high - value, value - low, 1e-9)
+
+
+WIDEST = {"r2": 0.015, "x": 0.005, "y": 0.005}
+WIDEST |= {"horizontal": 1e-4, "vertical": 1e-4, "offset": 5e-5, "response": 2e-3}
+
+
+@pytest.mark.parametrize("way", ["horizontal", "vertical"])
+def test_amplifiers_take_nothing_of_the_light_and_the_bias(way):
+    """A strong fall-off, tilted along the step, and a ramp."""
+    shading = {"r2": -0.3, "tilt_x": 0.04, "tilt_y": -0.03}
+    steps = {f"{way}_offset": 1e-3, f"{way}_response": 5e-3}
+    ramps = {"horizontal": 2e-3, "vertical": 2e-3}
+    planted = {"lens_shading": shading, "bias_structure": ramps, MISMATCH: steps}
+    made = seen_by(stating(planted), SENSOR)
+    assert (set(made.names), made.unexplained) == ({*planted}, [])
+    found = {(v.effect, v.parameter): v for v in values_of(made, made.names)}
+    for name, parameters in planted.items():
+        for parameter, truth in parameters.items():
+            one = found[name, parameter]
+            half = (one.high - one.low) / 2
+            assert one.value == pytest.approx(truth, abs=1.5 * half), parameter
+            assert half < WIDEST[parameter.rpartition("_")[2]], parameter
 
 
 @pytest.mark.parametrize("share", first_fast([0.5, 0.7], 1))
@@ -193,12 +217,6 @@ def test_dead_lines_are_said_with_their_place(with_dead_lines):
     assert [note.rpartition(": ")[2] for note in with_dead_lines.notes] == [
         *("row 50, 77.", "column 31.")
     ]
-
-
-def test_two_amplifiers_have_no_name_and_are_said():
-    """Halves that differ by half a read noise."""
-    made = found({"second_amplifier": 0.5})
-    assert (list(made.names), made.unexplained) == ([], ["halves"])
 
 
 def test_flats_of_unknown_light_tell_no_exposure():

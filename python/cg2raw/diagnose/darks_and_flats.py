@@ -23,13 +23,14 @@ from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.effects.catalogue import names as every_name
 from cg2raw.diagnose.effects.registry import listed_parameters
 from cg2raw.diagnose.stated_shapes import StatedShapes
+from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
+from cg2raw.model.amplifier_mismatch import AmplifierMismatch, amplifier_mismatch
 from cg2raw.model.dark_levels import LEVELS
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit
 from cg2raw.model.flat_levels import FlatLevels, flat_levels, level_gains
 from cg2raw.model.full_well import NAME as WELL
 from cg2raw.model.full_well import FullWell, full_well
-from cg2raw.model.halves import Halves, halves_of, without_halves
 from cg2raw.model.lags import NAMES as SHARED
 from cg2raw.model.lags import lags_of
 from cg2raw.model.profile_values import (
@@ -55,11 +56,11 @@ NOISE_TABLE = ("read_noise", "shot_noise")  # what a profile without noise says 
 class DarksAndFlats:
     """names : best first. least : nats that a name needs. values : of all that the
     frames show, by training and validation frames together, of which both is the fit.
-    statistics : of all splits, of the captures used. profile : (n,) parameters as the
-    profile has them.
+    statistics : of all splits, of the captures used, without shapes that the profile
+    states; as_taken : with them. profile : (n,) parameters as the profile has them.
     notes : sentences on what was left out. has_noise : whether the profile has. well :
     None where no flat has full ones; flats that have are in no other field. stated :
-    shapes that are taken off the statistics; as_taken : those with them."""
+    the profile's shapes. amplifiers : how halves differ, which is in no statistics."""
 
     captures: CaptureSet
     names: Sequence[str]
@@ -68,13 +69,14 @@ class DarksAndFlats:
     values: Sequence[Value]
     both: Fit
     statistics: ConstantStatistics
+    as_taken: ConstantStatistics
     profile: Array
     used: Sequence[Capture]
     notes: Sequence[str]
     has_noise: bool
     well: FullWell | None = None
+    amplifiers: AmplifierMismatch = AmplifierMismatch()
     stated: StatedShapes = StatedShapes()
-    as_taken: ConstantStatistics | None = None
 
     @property
     def unexplained(self) -> list[str]:
@@ -168,12 +170,17 @@ def darks_and_flats(
         notes += lines_apart(whole, used)
     if not has_noise:
         profile = _with_noise_of(of_splits(whole, GROUPS[:2]), profile, parameters)
-    halves = Halves()
-    for axis in (0, 1):
-        one = halves_of(whole, (TRAINING, VALIDATION), axis)
-        if one.nats > least:
-            halves, whole = one, without_halves(whole, axis)
-    as_taken, stated_shapes = whole, StatedShapes()
+    white = sensor.signal_range
+    steps = {
+        name: value * (white if name.endswith("offset") else 1.0)
+        for name, value in (listed_parameters(sensor, MISMATCH) or {}).items()
+    }
+    may_differ = names is None or MISMATCH in names
+    amplifiers = amplifier_mismatch(
+        whole, (TRAINING, VALIDATION, TEST), least if may_differ else math.inf, steps
+    )
+    whole = as_taken = amplifiers.taken_off(whole)
+    stated_shapes = StatedShapes()
     if not any(c.divided for c in used):
         stated_shapes = StatedShapes.of(sensor, whole)
         profile = stated_shapes.added_to(profile, parameters)
@@ -197,7 +204,6 @@ def darks_and_flats(
         )
     together = fit(both, profile)
     say("dropping each name", 0.75)
-    white = sensor.signal_range
     hot = listed_parameters(sensor, "hot_pixels")
     of_shapes = shapes(
         whole,
@@ -212,6 +218,9 @@ def darks_and_flats(
         lags_of(one, found, profile, has_tails, null)
         for one, found in zip(splits, fits, strict=True)
     )
+    allowed = stated_shapes.allowed(whole)
+    for name, variance in amplifiers.allowed(whole.planes[0].shape):
+        allowed[name] = allowed.get(name, 0.0) + variance
     found = selection(
         fits[0],
         fits[1],
@@ -219,15 +228,12 @@ def darks_and_flats(
         least,
         (first, second) if first is not None and second is not None else None,
         of_shapes,
-        halves,
-        stated_shapes.allowed(whole),
+        allowed,
         together,
     )
     named = found.kept(least)
     levels = [
-        levels_of(
-            captures, used, statistics, one, named, halves.response, stated_shapes
-        )
+        levels_of(captures, used, statistics, one, named, stated_shapes)
         for statistics, one in zip(splits, fits, strict=True)
     ]
     gains = dict(found.gains)
@@ -235,6 +241,8 @@ def darks_and_flats(
         gains |= level_gains(levels[0], levels[1], least)
     if well is not None:
         gains[WELL] = _nats_of_well(well, sensor, white)
+    if amplifiers.errors:
+        gains[MISMATCH] = amplifiers.gain
     stated = untested(sensor) - {*stated_shapes.names}
     hidden = {*stated, *(() if has_noise else NOISE_TABLE)}
     asked = set(gains) if names is None else set(gains) & set(names)
@@ -261,13 +269,14 @@ def darks_and_flats(
         values,
         together,
         whole,
+        as_taken,
         profile,
         used,
         notes,
         has_noise,
         well,
+        amplifiers,
         stated_shapes,
-        as_taken,
     )
 
 
@@ -337,7 +346,8 @@ def untested(sensor: Sensor) -> set[str]:
     a law or a shape, and a variance of what is not masked is what they measure."""
     stated = {entry["name"] for entry in sensor.effects or ()}
     stated |= {TAILS} & {*sensor.noise_effects}
-    tested = {*OF_EFFECTS, *NOISE_TABLE, *SHARED, "black_level", WELL, "hot_pixels"}
+    tested = {*OF_EFFECTS, *NOISE_TABLE, *SHARED, "black_level", WELL, MISMATCH}
+    tested.add("hot_pixels")
     return stated - tested | stated & {"dark_current_nonuniformity"}
 
 
@@ -369,15 +379,14 @@ def levels_of(
     statistics: ConstantStatistics,
     found: Fit,
     named: Collection[str] = (),
-    apart: float = 0.0,
     stated: StatedShapes | None = None,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none of known light, and of parts
     of frames, which light that falls off reaches by less.
 
     used : the captures that the statistics are of. found : their fit. named : effects
-    that move the mean of a flat from its middle. apart : relative, how far halves'
-    responses are. stated : shapes that are taken off the statistics."""
+    that move the mean of a flat from its middle. stated : shapes that are taken off the
+    statistics."""
     if any(capture.divided for capture in used):
         return None
     sensor = captures.sensor
@@ -391,7 +400,6 @@ def levels_of(
         nuisances=captures.nuisances,
         is_shaded="lens_shading" in named,
         is_colored="color_shading" in named,
-        apart=apart,
         shaded=None if stated is None else stated.mean,
     )
 

@@ -26,10 +26,9 @@ LEAST_LEVEL = 1e-6  # DN^2: far below what the mean of frames is known to
 class DarkLevels:
     """places : (n,) which parameters are of each of LEVELS. profile : (n,) the null.
     median : by how much that of dark current is above its mean, and the standard error,
-    DN/s: a profile has the median, the likelihood the mean. apart : how far the black
-    levels of two amplifiers are, DN: a profile's may be that of either. is_structured :
-    whether the bias has a structure, whose first columns raise the mean. glows :
-    whether an amplifier does, which raises the mean with time."""
+    DN/s: a profile has the median, the likelihood the mean. is_structured : whether the
+    bias has a structure, whose first columns raise the mean. glows : whether an
+    amplifier does, which raises the mean with time."""
 
     def __init__(
         self,
@@ -39,11 +38,10 @@ class DarkLevels:
         profile: Array,
         median: tuple[float, float] = (0.0, 0.0),
         *,
-        apart: float = 0.0,
         is_structured: bool = False,
         glows: bool = False,
     ) -> None:
-        self.apart, self.is_structured, self.glows = apart, is_structured, glows
+        self.is_structured, self.glows = is_structured, glows
         if median == (0.0, 0.0):
             median = unknown_median(training)
         self.places, self.profile, self.median = places, profile.copy(), median
@@ -163,11 +161,9 @@ class DarkLevels:
             if self.glows:
                 mean = mean_of_glow(self.training)
                 means, covariance = means + mean, covariance + (mean / 2) ** 2
-        else:
-            covariance += (self.apart / 2) ** 2
-            if self.is_structured:
-                mean, error = first_columns(self.training)
-                means, covariance = means + mean, covariance + error**2
+        elif self.is_structured:
+            mean, error = first_columns(self.training)
+            means, covariance = means + mean, covariance + error**2
         return Prior(places, means, covariance)
 
 

@@ -176,7 +176,6 @@ def flat_levels(
     nuisances: frozenset[str] = frozenset(),
     is_shaded: bool = False,
     is_colored: bool = False,
-    apart: float = 0.0,
     shaded: Array | None = None,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none.
@@ -186,9 +185,8 @@ def flat_levels(
     row by row. white : DN above black. light : relative, how far each frame's may be
     off. nuisances : of a capture set. is_shaded, is_colored : whether light falls off
     towards the corners, of colours differently: then levels are those of the middle of
-    the frame. apart : relative, how far two amplifiers' responses are: a profile's may
-    be that of either. shaded : (sites,) the mean of a stated shading, which mean images
-    lack, over that in the middle."""
+    the frame. shaded : (sites,) the mean of a stated shading, which mean images lack,
+    over that in the middle."""
     if shaded is None:
         shaded = np.ones(len(predicted))
     predicted = predicted * shaded[:, None]
@@ -230,7 +228,6 @@ def flat_levels(
     waves = [found.theta[found.parameters.of(name)] for name in WAVES]
     wave = float(np.maximum(waves, 0.0).sum()) / planes[0].plane.masked.size
     covariance += one_light * wave / frames[flat]
-    covariance += (apart / 2) ** 2
     if "exposure" in nuisances:
         covariance += FREE * one_light
     if "white_balance" in nuisances:

@@ -20,8 +20,6 @@ from cg2raw.model.dark_levels import LEVELS, DarkLevels
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit, Prior, gain_of
-from cg2raw.model.halves import NAME as HALVES
-from cg2raw.model.halves import Halves
 from cg2raw.model.lags import Blended, Lags, lag_gains
 from cg2raw.model.shapes import Shapes
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
@@ -86,7 +84,6 @@ def selection(
     least: float,
     lags: tuple[Lags, Lags] | None = None,
     shapes: Shapes | None = None,
-    halves: Halves | None = None,
     allowed: Mapping[str, float] | None = None,
     together: Fit | None = None,
 ) -> Selection:
@@ -94,10 +91,10 @@ def selection(
 
     profile : (n,) parameters of the null. least : nats that a name needs. lags : of
     both, of repeats. shapes : of the same frames; None where they are not known.
-    halves : how they differ, which is taken off. allowed : variance of a coefficient
-    that frames may have beyond a shape that a profile states, by name. together : the
-    fit of all these frames, which levels of single darks of two times need."""
-    shapes, halves = shapes or Shapes({}), halves or Halves()
+    allowed : variance of a coefficient that frames may have beyond a shape that a
+    profile states, by name. together : the fit of all these frames, which levels of
+    single darks of two times need."""
+    shapes = shapes or Shapes({})
     parameters = training.parameters
     gains: dict[str, float] = {}
     blended = None
@@ -147,7 +144,6 @@ def selection(
             *pair,
             profile,
             shapes.dark_median,
-            apart=halves.offset,
             is_structured=is_stated or gains.get("bias_structure", 0.0) > least,
             glows=gains.get("amplifier_glow", 0.0) > least,
         )
@@ -172,7 +168,7 @@ def selection(
             total = seen + max(seen - most, 0.0)
             nothing = 0.0 if most < variance < total else np.inf
             gains["read_noise"] = min(of_most or np.inf, nothing, gains["read_noise"])
-    unnamed = {HALVES: halves.nats} if halves.nats else {}
+    unnamed = {}
     for name in UNNAMED:
         own = parameters.are([name]) & known
         if own.any():

@@ -118,14 +118,16 @@ def mosaic_light(
         x = np.where(shaded, (1 - v["loss"] * (1 + v["tilt"] * side)) * x, x)
     if "smear" in hidden:
         x = x + hidden["smear"]["share"] * x.mean(0)
-    if "second_amplifier" in hidden:
-        x = x * (1 + hidden["second_amplifier"]["gain"] * _right_half(x.shape))
+    if "amplifier_mismatch" in hidden:
+        v = hidden["amplifier_mismatch"]
+        x = x * (1 + v["gain"] * _amplifier(v, x.shape))
     return x
 
 
-def _right_half(shape: tuple[int, ...]) -> Plane:
-    """Return (W,) 1 where a second amplifier reads, else 0."""
-    return np.where(np.arange(shape[1]) < shape[1] // 2, 0.0, 1.0)
+def _amplifier(values: Values, shape: tuple[int, ...]) -> Plane:
+    """Return (H, W) -0.5 where the first of two amplifiers reads, and 0.5."""
+    side = 0 if values["one_above_the_other"] else 1
+    return np.where(np.indices(shape)[side] < shape[side] // 2, -0.5, 0.5)
 
 
 def _mains(values: Values, phase: float, rows: int) -> Plane:
@@ -196,9 +198,10 @@ def pedestal(
     if "bias_structure" in hidden:
         black = black + _structure(hidden["bias_structure"], shape)
     gain = camera.over(camera.dn_per_electron, shape)
-    if "second_amplifier" in hidden:
-        offset = hidden["second_amplifier"]["read_noises"] * camera.read_noise.mean()
-        black = black + gain * offset * _right_half(shape)
+    if "amplifier_mismatch" in hidden:
+        v = hidden["amplifier_mismatch"]
+        offset = v["read_noises"] * camera.read_noise.mean()
+        black = black + gain * offset * _amplifier(v, shape)
     return black + gain * (fixed.offset + fixed.column)
 
 

@@ -260,6 +260,16 @@ KINDS: Mapping[str, Kind] = {
         },
     ),
     "lens_distortion": Kind("px in the corner", 0.5, 3.0, _one("corner_px", True)),
+    "amplifier_mismatch": Kind(
+        "read noises that offsets differ by",
+        0.1,
+        1.0,
+        lambda rng, s, _: {
+            "read_noises": s * _sign(rng),
+            "gain": _sign(rng) * rng.uniform(0.002, 0.01),
+            "one_above_the_other": float(rng.random() < 0.5),
+        },
+    ),
 }
 
 # The first names that there were: numbers of a benchmark's cases go through these
@@ -290,15 +300,6 @@ UNKNOWN_KINDS: Mapping[str, Kind] = {
         lambda rng, s, _: {"share": s, "disc_px": rng.uniform(1.5, 5)},
     ),
     "column_gain": Kind("rms", 0.003, 0.02, _one("rms")),
-    "second_amplifier": Kind(
-        "read noises that its offset differs by",
-        0.1,
-        1.0,
-        lambda rng, s, _: {
-            "read_noises": s * _sign(rng),
-            "gain": _sign(rng) * rng.uniform(0.002, 0.01),
-        },
-    ),
 }
 
 

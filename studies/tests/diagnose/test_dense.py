@@ -106,7 +106,7 @@ def test_factors_leave_shapes_and_what_is_only_stated():
 
 
 def test_frames_are_of_the_true_sensor_and_repeat_each_other():
-    case = DenseCase("dense-1", 0, 11, {"exposure": 0.0})
+    case = DenseCase("dense-1", 0, 13, {"exposure": 0.0})
     found, hidden = case.captures()
     assert set(hidden) == {"exposure"} and "exposure" not in effects_of(found.sensor)
     for group in ("fit", "select", "report"):

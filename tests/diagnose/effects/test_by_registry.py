@@ -15,6 +15,8 @@ SENSOR = sensor_of()
 # Of white, of the order of the read noise of a pixel.
 BIAS = {"horizontal": -READ, "vertical": 0.5 * READ}
 BIAS |= {"edge": 1.5 * READ, "edge_length": 12.0}
+STEPS = {"horizontal_offset": READ, "vertical_offset": -READ}
+STEPS |= {"horizontal_response": 0.02, "vertical_response": -0.01}
 GLOW = {"per_second": READ, "row": -1.0, "column": 0.6, "extent": 0.25}
 # How wide an interval may be. The grid of PDAF pixels is found once, and exact.
 WIDEST = {
@@ -22,6 +24,10 @@ WIDEST = {
     "read_noise_correlation": {"coefficient": 0.04},
     "mains_flicker": {"amplitude": 0.02, "period": 8.0},
     "bias_structure": dict.fromkeys(BIAS, 0.5 * READ) | {"edge_length": 12.0},
+    "amplifier_mismatch": {
+        **dict.fromkeys(("horizontal_offset", "vertical_offset"), 0.4 * READ),
+        **dict.fromkeys(("horizontal_response", "vertical_response"), 0.02),
+    },
     "amplifier_glow": dict.fromkeys(GLOW, 0.2),
     "black_level_drift": {"sigma": READ},
 }
@@ -37,6 +43,7 @@ WIDEST = {
         slow("read_noise_correlation", {"coefficient": -0.07}, 1),
         slow("read_noise_correlation", {"coefficient": 0.25}, 2),
         slow("bias_structure", BIAS, 1),
+        ("amplifier_mismatch", STEPS, 1),
         slow("amplifier_glow", GLOW, 1),
         slow("black_level_drift", {"sigma": 0.2 * READ}, 1),
         slow("black_level_drift", {"sigma": 0.4 * READ}, 3),

@@ -85,6 +85,7 @@ OF_WHITE = {
     "row_noise": "sigma",
     "black_level_drift": "sigma",
     "amplifier_glow": "per_second",
+    "amplifier_mismatch": "horizontal_offset",
     "random_telegraph_noise": "amplitude",
     "dark_current_nonuniformity": "rate",
 }

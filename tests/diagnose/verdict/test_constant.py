@@ -204,7 +204,7 @@ def test_charts_of_levels_shapes_and_neighbours_show_what_was_hidden():
         name: math.sqrt(KINDS[name].low * KINDS[name].high)
         for name in (
             *("black_level", "dark_current", "exposure", "hot_pixels"),
-            *("lens_shading", "read_noise_correlation"),
+            *("lens_shading", "read_noise_correlation", "amplifier_mismatch"),
         )
     }
     found = diagnose(captures_of(**hidden))

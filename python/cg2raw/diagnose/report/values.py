@@ -19,6 +19,7 @@ OF_WHITE: Mapping[str, tuple[str, ...]] = {
     ),
     "black_level": ("offset",),
     "bias_structure": ("horizontal", "vertical", "edge"),
+    "amplifier_mismatch": ("horizontal_offset", "vertical_offset"),
     "dark_current": ("per_second",),
     "amplifier_glow": ("per_second",),
     "dark_current_nonuniformity": ("rate",),
@@ -43,6 +44,7 @@ IN_WORDS = {
     "coefficient": "correlation",
 }
 MOST_DECADES = 300  # that are told apart, as by LARGEST_E
+SHARES = ("fraction", "depth", "horizontal_response", "vertical_response")
 IN_PERCENT = ("color", "optics", "pixel", "response", "saturation")  # stages
 
 
@@ -109,7 +111,7 @@ def scale_of(
     is_of_white = parameter.startswith(OF_WHITE.get(effect, ("\0",)))
     if is_of_white and unit in ("1", "1/s") and diagnosis.white_dn:
         return diagnosis.white_dn, "DN" + unit[1:]
-    is_share = parameter in ("fraction", "depth") or stage_of(effect) in IN_PERCENT
+    is_share = parameter in SHARES or stage_of(effect) in IN_PERCENT
     if unit in ("1", "") and is_share and not parameter.startswith(PLAIN):
         return 100.0, "%"
     return 1.0, "" if unit == "1" else unit

@@ -15,6 +15,8 @@ from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.darks_and_flats import TEST, DarksAndFlats, of_splits
 from cg2raw.diagnose.diagnosis import Chart, Finding, Series
 from cg2raw.diagnose.verdict.unexplained import PLACES, described
+from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
+from cg2raw.model.amplifier_mismatch import unit_step
 from cg2raw.model.components import FIXED
 from cg2raw.model.dark_law import fitted
 from cg2raw.model.figures import NORMAL
@@ -32,11 +34,13 @@ from cg2raw.statistics.constant import (
     PIXEL,
     RATE_EDGES,
     Array,
+    polynomials,
     smooth_images,
 )
 
 RINGS = 12  # of a frame, from its middle to its corners
 LEAST_CHANGE, TOO_HIGH = 0.1, 2.0  # of groups that are shown beside the others
+BLOCKS = 24  # of the lines on both sides of a step
 MOST_SIDE = 128  # samples along a side, of which rings are means
 # Times its noise, from which a rate is drawn; bins of fewer samples than one are left.
 FIRST_RATE = 2.0
@@ -66,6 +70,7 @@ def charts_of(
         "hot_pixels": lambda n: _rates(n, found, model),
         "heavy_tailed_noise": lambda n: _tails(n, found, chosen[n]),
         "lens_shading": lambda n: _rings(n, test, chosen[n]),
+        MISMATCH: lambda n: _step(n, found),
         **dict.fromkeys(SHARED, lambda n: _lags(n, found, model, test, chosen)),
         **dict.fromkeys(CHANGES, lambda n: _flats(n, found, model, test, chosen)),
     }
@@ -391,6 +396,33 @@ def _rings(name: str, test: Fit, finding: Finding) -> Chart | None:
     words = "Signal of flats by distance from the middle of the frame"
     labels = ("distance, 1 in the corners", "signal, % of the middle")
     return Chart(name, words, *labels, (series,))
+
+
+def _step(name: str, found: DarksAndFlats) -> Chart | None:
+    """Return the step between halves that test frames show best, by blocks of lines."""
+    halves, side = found.amplifiers, found.statistics.side
+    tested = {n: step for n, step in halves.tested.items() if n in halves.steps}
+    if not tested:
+        return None
+    parameter, step = max(
+        tested.items(), key=lambda one: abs(one[1].value) / one[1].error
+    )
+    before, after = halves.stated.get(parameter, 0.0), halves.steps[parameter].value
+    count = len(step.lines)
+    low, along, of_step = polynomials(count), np.arange(count), unit_step(count)
+    rest = step.lines - low.T @ (low @ (step.lines - after * of_step))
+    block = along * BLOCKS // count
+    places, measured, of_step = (
+        np.bincount(block, values) / np.bincount(block)
+        for values in (side * (along + 0.5), rest, of_step)
+    )
+    is_dark = parameter.endswith("offset")
+    scale = 1.0 if is_dark else 100.0
+    each = [scale * one for one in (measured, before * of_step, after * of_step)]
+    line = "column" if parameter.startswith("horizontal") else "row"
+    kind, unit = ("darks", "DN") if is_dark else ("flats", "% of the light")
+    words = f"Means of {line}s of {kind}, without what is smooth"
+    return Chart(name, words, line, unit, (Series("", places, *each),))
 
 
 def _transfer(found: DarksAndFlats, test: Fit) -> Iterator[Chart]:

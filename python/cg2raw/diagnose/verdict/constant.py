@@ -40,6 +40,7 @@ from cg2raw.diagnose.verdict.unexplained import (
     unnamed_tests,
 )
 from cg2raw.diagnose.verdict.values import values_of
+from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
 from cg2raw.model.components import FREE
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit, refitted
@@ -82,7 +83,8 @@ def diagnosis_of(
     samples = samples_of(test)
     shapes = untested(captures.sensor)
     fits = [_fit_of(found, [*some, *free, *shapes]) for some in ([], chosen)]
-    held_out = [_held_out(one, test) for one in fits]
+    tested = [found.amplifiers.given_back(test), test]
+    held_out = [_held_out(*one) for one in zip(fits, tested, strict=True)]
     model = fits[1]
     gap, freedom = _gap(found, chosen, held_out, samples, bool(free))
     tests = [tests_of(one, model, samples) for one in held_out]
@@ -273,10 +275,18 @@ def _findings(
             found.selection.gains[name],
             sensor,
             is_provisional,
-            [FILTER] if _may_be_filtered(found, name, values[name]) else [],
+            _alike(found, name, values[name]),
         )
         for name in chosen
     ]
+
+
+def _alike(
+    found: DarksAndFlats, name: str, values: Mapping[str, Estimate]
+) -> list[str]:
+    """Return the effects that may be in the place of one."""
+    others = [FILTER] if _may_be_filtered(found, name, values) else []
+    return others + [MISMATCH] * (name in found.amplifiers.alike)
 
 
 def _may_be_filtered(

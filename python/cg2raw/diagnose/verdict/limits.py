@@ -10,7 +10,8 @@ import numpy as np
 from cg2raw.diagnose.darks_and_flats import VALIDATION, DarksAndFlats
 from cg2raw.diagnose.diagnosis import DetectionLimit
 from cg2raw.diagnose.effects.registry import registered
-from cg2raw.diagnose.verdict.values import limits_of_levels
+from cg2raw.diagnose.verdict.values import limits_of_levels, of_amplifiers
+from cg2raw.model.amplifier_mismatch import Step
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.values import Value, effect_values
 
@@ -28,7 +29,11 @@ def detection_limits(
     own = found.of_split(VALIDATION)
     values = effect_values(own, selected.validation, found.profile, white)
     root = np.sqrt(2 * (found.least + 0.5))
-    for one in (*values, *limits_of_levels(found)):
+    steps = {
+        name: Step(0.0, e, np.zeros(0)) for name, e in found.amplifiers.errors.items()
+    }
+    of_steps = of_amplifiers(found, steps)
+    for one in (*values, *limits_of_levels(found), *of_steps):
         if one.effect in named:
             continue
         unsure = selected.unsure.get(one.effect, 0.0) / white

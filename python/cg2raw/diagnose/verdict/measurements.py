@@ -59,7 +59,7 @@ def _figures(found: DarksAndFlats, wanted: Collection[str]) -> list[Figure]:
 
 def _seen(found: DarksAndFlats) -> Seen:
     """Return training and validation frames as one set of darks and flats."""
-    both = of_splits(found.as_taken or found.statistics, GROUPS[:2])
+    both = of_splits(found.as_taken, GROUPS[:2])
     order = sorted(
         range(len(both.groups)),
         key=lambda n: (both.groups[n].kind, both.groups[n].exposure_time or 0.0),

@@ -21,7 +21,7 @@ OF_SENSOR = frozenset(
         *("dark_current", "dark_current_nonuniformity", "hot_pixels", "dust"),
         *("random_telegraph_noise", "pdaf_pixels", "mains_flicker"),
         *("read_noise_correlation", "noise_reduction"),
-        *("bias_structure", "amplifier_glow"),
+        *("bias_structure", "amplifier_glow", "amplifier_mismatch"),
     }
 )
 

@@ -40,7 +40,6 @@ COMPONENTS: Mapping[str, str] = {
     "row_fixed_pattern": "rows differ, the same in all darks and flats",
     "columns of light": "columns differ in proportion to light, the same in all flats",
     "rows of light": "rows differ in proportion to light, the same in all flats",
-    "halves": "two halves of the frame differ, as if read by two amplifiers",
 }
 
 

@@ -4,11 +4,13 @@
 """Values of what is named that are no figure of the fit: shapes of the dark frame and
 of the light as calibrate has them, correlations by lags, changes of light by levels."""
 
+import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from cg2raw.calibration.calibration import effects_found
+from cg2raw.calibration.calibration import Calibration, effects_found
 from cg2raw.calibration.fitting import BLACK
 from cg2raw.calibration.measured import Measured
 from cg2raw.diagnose.captures.splits import GROUPS
@@ -21,6 +23,8 @@ from cg2raw.diagnose.effects.registry import listed_parameters
 from cg2raw.diagnose.verdict.measurements import measurements_of
 from cg2raw.diagnose.verdict.profile import OF_SENSOR
 from cg2raw.model import flicker
+from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
+from cg2raw.model.amplifier_mismatch import AmplifierMismatch, Step
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.flat_levels import CHANGES
 from cg2raw.model.full_well import NAME as WELL
@@ -69,6 +73,7 @@ def values_of(found: DarksAndFlats, named: Collection[str]) -> list[Value]:
         *_of_shapes(found, named),
         *_of_flicker(found, named),
         *_of_well(found, named),
+        *of_amplifiers(found, found.amplifiers.steps),
     ]
 
 
@@ -80,6 +85,15 @@ def _of_well(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
         value = 1 - stated - found.well.level / white
         half = NORMAL * found.well.error / white
         yield Value(WELL, "below_white", value, value - half, value + half)
+
+
+def of_amplifiers(found: DarksAndFlats, steps: Mapping[str, Step]) -> Iterator[Value]:
+    """Yield steps between halves, in the units of the registry."""
+    white = found.captures.sensor.signal_range
+    for parameter, step in steps.items():
+        numbers = step.value + step.error * np.array([0, -NORMAL, NORMAL])
+        scale = white if parameter.endswith("offset") else 1.0
+        yield Value(MISMATCH, parameter, *map(float, numbers / scale))
 
 
 def _of_flicker(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
@@ -184,7 +198,13 @@ def _of_shapes(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
     if not wanted or any(capture.divided for capture in found.used):
         return
     measured = measurements_of(found, wanted)
-    answers = effects_found(measured, False)
+    shapes = _shapes(measured, wanted)
+    moved = [  # by the error of each step between halves
+        _shapes(measurements_of(replace(found, as_taken=rest), wanted), wanted)
+        for name, step in found.amplifiers.steps.items()
+        for more in [AmplifierMismatch(stated={name: step.error})]
+        for rest in [more.taken_off(found.as_taken)]
+    ]
     if "black_level" in wanted:
         sensor, at = measured.sensor, found.both.parameters.of("black_level")
         white = sensor.signal_range
@@ -194,10 +214,22 @@ def _of_shapes(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
                 ends = np.array([level.value, level.low, level.high])
                 ends = (ends - found.profile[at + level.site]) / white
                 yield Value("black_level", f"offset_{site}", *map(float, ends))
-    for name in sorted(wanted):
+    for (name, parameter), one in shapes.items():
+        away = [each.get((name, parameter), one).value - one.value for each in moved]
         stated = listed_parameters(measured.sensor, name) or {}
-        for parameter, one in (answers.get(name) or {}).items():
-            given = one if isinstance(one, Measured) else Measured(float(one), 0.0, "")
-            before = 0.0 if name in OF_SENSOR else stated.get(parameter, 0.0)
-            value, half = given.value - before, NORMAL * given.standard_error
-            yield Value(name, parameter, value, value - half, value + half)
+        before = 0.0 if name in OF_SENSOR else stated.get(parameter, 0.0)
+        half = NORMAL * math.hypot(one.standard_error, *away)
+        value = one.value - before
+        yield Value(name, parameter, value, value - half, value + half)
+
+
+def _shapes(
+    measured: Calibration, wanted: Collection[str]
+) -> dict[tuple[str, str], Measured]:
+    """Return what calibrate has of effects, by name and parameter."""
+    answers = effects_found(measured, False)
+    return {
+        (name, parameter): one if isinstance(one, Measured) else Measured(one, 0.0, "")
+        for name in sorted(wanted)
+        for parameter, one in (answers.get(name) or {}).items()
+    }
