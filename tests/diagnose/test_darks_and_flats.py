@@ -219,6 +219,18 @@ def test_dead_lines_are_said_with_their_place(with_dead_lines):
     ]
 
 
+@pytest.mark.parametrize("single", [("dark",), ("dark", "flat")], ids="+".join)
+def test_darks_that_do_not_repeat_have_the_noise_of_their_lines(single):
+    """Beside flats that do, and beside flats that do not: rows that differ move levels
+    by chance, and are no drift of the black level."""
+
+    def once(captures):
+        return [c for c in captures if c.kind not in single or "again" not in c.name]
+
+    strengths = {"row_noise": 0.4, "prnu": 0.01}
+    assert set(found(strengths, seed=1, changed=once).names) == set(strengths)
+
+
 def test_flats_of_unknown_light_tell_no_exposure():
     def unknown(captures):
         return [replace(c, scene=None) if c.kind == "flat" else c for c in captures]

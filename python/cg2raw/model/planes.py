@@ -66,7 +66,7 @@ class PlaneLikelihood:
         self.time = np.array([g.charge_time for g in statistics.groups])
         self.repeats = self.frames > 1
         # Groups whose noise is measured: without repeats, by what images do not share.
-        alone = ~self.repeats & (self.is_flat | ~self.repeats.any())
+        alone = ~self.repeats & (self.is_flat | ~self.repeats[~self.is_flat].any())
         self.measured = self.repeats | (alone & (alone.sum() > 1))
         self.side = statistics.side
         again = np.maximum(self.frames - 1, 1)[:, None]
@@ -82,6 +82,8 @@ class PlaneLikelihood:
         single = self.measured & ~self.repeats
         if single.any():
             self.scatter[single] = unshared(self.products[PIXEL])[single, None]
+            for n in FAST_LINES:
+                self.scatter[single, n] = unshared(self.products[n])[single]
         # A lamp's shape changes slowly: frames next to each other have it in common.
         self.paired = self.is_flat & (statistics.pairs > 0) & (plane.freedom[PIXEL] > 0)
         self.scatter[self.paired, PIXEL] = plane.power[self.paired]
