@@ -6,7 +6,8 @@
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.random import Generator
@@ -140,7 +141,8 @@ class Case:
         found = simulate_captures(
             sensor, hidden, seed=self.seed, nuisances=self.nuisances, twice=True
         )
-        return found, hidden
+        drawn_once = [replace(c, raw=cache(c.raw)) for c in found.captures]
+        return replace(found, captures=drawn_once), hidden
 
 
 def _parameters(

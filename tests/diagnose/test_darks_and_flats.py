@@ -219,6 +219,32 @@ def test_dead_lines_are_said_with_their_place(with_dead_lines):
     ]
 
 
+def test_a_dark_with_a_residual_image_is_left_out():
+    """0.5 % of a scene in the first dark of each group: 11 names without that."""
+
+    def lagging(captures):
+        pictures = {c.group: c.raw() for c in captures if c.kind == "scene"}
+        black = float(np.mean(SENSOR.black_level))
+        rng = np.random.default_rng(0)
+
+        def spoiled(raw, group):
+            light = 0.005 * (pictures[group] - black)
+            return np.rint(raw + light + rng.uniform(-0.5, 0.5, raw.shape))
+
+        return [
+            with_raw(c, lambda raw, group=c.group: spoiled(raw, group))
+            if c.name.endswith("dark_0")
+            else c
+            for c in captures
+        ]
+
+    made = found({}, changed=lagging)
+    assert list(made.names) == [] and len(made.spoiled) == 3
+    for group, note in zip(("fit", "select", "report"), made.notes, strict=True):
+        start = f"{group}_dark_0: has a residual image of {group}_scene_"
+        assert note.startswith(start) and note.endswith("% of its light: left out.")
+
+
 @pytest.mark.parametrize("single", [("dark",), ("dark", "flat")], ids="+".join)
 def test_darks_that_do_not_repeat_have_the_noise_of_their_lines(single):
     """Beside flats that do, and beside flats that do not: rows that differ move levels

@@ -7,7 +7,7 @@ import math
 import os
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from cg2raw.diagnose.captures.constant_statistics import (
     saved_statistics,
     statistics_by_split,
 )
+from cg2raw.diagnose.captures.residual_image import Blocks, residual_images
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.effects.catalogue import names as every_name
 from cg2raw.diagnose.effects.registry import listed_parameters
@@ -60,7 +61,8 @@ class DarksAndFlats:
     states; as_taken : with them. profile : (n,) parameters as the profile has them.
     notes : sentences on what was left out. has_noise : whether the profile has. well :
     None where no flat has full ones; flats that have are in no other field. stated :
-    the profile's shapes. amplifiers : how halves differ, which is in no statistics."""
+    the profile's shapes. amplifiers : how halves differ, which is in no statistics.
+    spoiled : darks with a residual image."""
 
     captures: CaptureSet
     names: Sequence[str]
@@ -77,6 +79,12 @@ class DarksAndFlats:
     well: FullWell | None = None
     amplifiers: AmplifierMismatch = AmplifierMismatch()
     stated: StatedShapes = StatedShapes()
+    spoiled: Sequence[Capture] = ()
+
+    @property
+    def looked_at(self) -> list[Capture]:
+        """Captures that decided, or were left out for what is in them."""
+        return [*self.used, *self.spoiled]
 
     @property
     def unexplained(self) -> list[str]:
@@ -151,8 +159,18 @@ def darks_and_flats(
     tell: Callable[[float], None] = lambda share: say(  # noqa: E731
         "reading darks and flats", 0.5 * share
     )
-    read = partial(saved_statistics, saved) if saved else statistics_by_split
-    whole = read(used, sensor, tell)
+    blocks = Blocks(sensor)
+    if saved:
+        whole = saved_statistics(saved, used, sensor, tell)
+        if len(every) < len(captures.captures):
+            notes.append("Darks of saved statistics: no residual image is looked for.")
+    else:
+        watched = [blocks.watched(c) if c.kind == "dark" else c for c in used]
+        whole = statistics_by_split(watched, sensor, tell)
+    spoiled = _spoiled(captures.captures, used, blocks, least, notes)
+    if spoiled:
+        used = [c for c in used if c not in spoiled]
+        whole = statistics_by_split(used, sensor, tell)
     has_noise = bool(sensor.noise) and iso is not None
     parameters = Parameters(len(whole.planes))
     profile = profile_values(sensor, iso if has_noise else None, parameters)
@@ -277,7 +295,27 @@ def darks_and_flats(
         well,
         amplifiers,
         stated_shapes,
+        spoiled,
     )
+
+
+def _spoiled(
+    captures: Sequence[Capture],
+    used: list[Capture],
+    blocks: Blocks,
+    least: float,
+    notes: list[str],
+) -> list[Capture]:
+    """Return the darks that have a residual image, of which notes are taken; none where
+    a split would have no other dark."""
+    darks = [c for c in used if c.name in blocks.means]
+    found = residual_images(captures, darks, blocks, least)
+    names = {one.dark for one in found}
+    splits = {c.group for c in darks}
+    may_go = splits == {c.group for c in darks if c.name not in names}
+    fate = "left out" if may_go else "kept, since its group has no other dark"
+    notes += [f"{one}: {fate}." for one in found]
+    return [c for c in darks if c.name in names] if may_go else []
 
 
 def _nats_of_well(well: FullWell, sensor: Sensor, white: float) -> float:

@@ -91,11 +91,10 @@ def diagnose(
     notes: list[str] = []
     shown: frozenset[str] = frozenset()
     if constant:
-        decided = replace(capture_set, captures=constant)
         try:
             with raised():
                 own = names if is_all else names - lit
-                seen = darks_and_flats(decided, alpha, own, said, statistics)
+                seen = darks_and_flats(capture_set, alpha, own, said, statistics)
                 free = frozenset() if is_all else lit
                 shown = seen.shown
                 found = diagnosis_of(seen, own, most == 0, free, details)
@@ -110,7 +109,7 @@ def diagnose(
             say("done", 1.0)
             return _finished(found, names - shown, capture_set, started)
         if found:
-            images = with_images_alone(capture_set, found, seen.masked, seen.used)
+            images = with_images_alone(capture_set, found, seen.masked, seen.looked_at)
             asked -= shown - lit
     workers = Workers(threads, deadline)
     second = _of_images(

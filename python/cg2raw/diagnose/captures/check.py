@@ -3,6 +3,7 @@
 
 """The check of captures: each frame by itself, then the repeats of a series."""
 
+import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
@@ -21,7 +22,13 @@ from cg2raw.diagnose.captures.quality import (
     step_of,
     with_noise_remarks,
 )
-from cg2raw.diagnose.captures.repeats import Repeats, repeats_of, series_of
+from cg2raw.diagnose.captures.repeats import (
+    FALSE_ALARM,
+    Repeats,
+    repeats_of,
+    series_of,
+)
+from cg2raw.diagnose.captures.residual_image import Blocks, residual_images
 from cg2raw.sensor import Sensor
 from cg2raw.statistics import GroupInfo, codes, frame_statistics
 
@@ -56,8 +63,9 @@ def check(
     found: dict[str, Integrity] = {}
     complaints: list[str] = []
     remarks: list[str] = []
-    for ours in [*series_of(frames), *borders]:
-        done = len(found)
+    blocks = Blocks(sensor)
+    for series in [*series_of(frames), *borders]:
+        done, ours = len(found), [blocks.watched(capture) for capture in series]
 
         def tell(share: float, done: int = done, count: int = len(ours)) -> None:
             progress((done + share * count) / len(captures))
@@ -70,6 +78,13 @@ def check(
             continue
         complaints += [words] if (words := repeats.first_is_off()) else []
         remarks += remarks_on(repeats, ours[0].shows.light, sensor, nuisances)
+    darks = [f.capture for f in frames if f.capture.name in blocks.means]
+    darks = [capture for capture in darks if not capture.shows.light]
+    every, least = [f.capture for f in frames], -math.log(FALSE_ALARM)
+    complaints += [
+        f"{one}: leave it out; take darks before other frames, or wait after these"
+        for one in residual_images(every, darks, blocks, least)
+    ]
     for frame in frames:
         if frame.capture.means is not None:
             found[frame.capture.name] = of_means(frame.capture, sensor)
