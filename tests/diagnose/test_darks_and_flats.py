@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """What one model of darks and flats names, in frames of the generator."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -263,6 +264,18 @@ def test_flats_of_unknown_light_tell_no_exposure():
 
     strengths = {"exposure": 0.02, "prnu": 0.01}
     assert set(found(strengths, changed=unknown).names) == {"prnu"}
+
+
+def test_flats_that_hold_no_light_tell_nothing_of_it():
+    """Darks that are said to be flats: gains are not known, of some sites alone."""
+
+    def unlit(captures):
+        darks = itertools.cycle(c for c in captures if c.kind == "dark")
+        return [
+            replace(c, raw=next(darks).raw) if c.kind == "flat" else c for c in captures
+        ]
+
+    assert {"prnu", "shot_noise", "exposure"}.isdisjoint(found({}, changed=unlit).names)
 
 
 def test_flats_of_one_light_alone():

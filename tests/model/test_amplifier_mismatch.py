@@ -101,6 +101,16 @@ def test_errors_are_those_of_draws(is_free, ramp):
     assert 0.75 < np.std(deviates) < 1.25
 
 
+def test_frames_without_noise_show_no_step():
+    frame = np.full((96, 120), 300, np.uint16)
+    groups = [
+        (GroupInfo("dark", ("a", "b"), 0.0, None, split), [frame, frame])
+        for split in SPLITS
+    ]
+    found = amplifier_mismatch(plain_statistics(groups, 2, 4095), SPLITS, LEAST, {})
+    assert (found.gain, found.errors) == (0, {})
+
+
 def test_few_lines_show_no_step():
     groups = [
         (GroupInfo("dark", ("a", "b"), 0.0, None, split), [frame, frame + 1])

@@ -113,7 +113,7 @@ def amplifier_mismatch(
         errors |= {name: one.step().error for name, one in validation.items()}
         total = np.zeros(3)
         own = dict[str, NDArray[np.float64]]()
-        for name in training.keys() & validation.keys():
+        for name in (name for name in training if name in validation):
             own[name] = _gains(training[name], validation[name], stated.get(name, 0.0))
             total += own[name]
         of_both, of_steps, instead = total.tolist()
@@ -245,24 +245,27 @@ class Lines:
 def _lines_of(
     statistics: ConstantStatistics, splits: Collection[str], axis: int
 ) -> Iterator[tuple[str, Lines]]:
-    """Yield the lines of darks, DN, and of light, relative, of splits."""
+    """Yield the lines of darks, DN, and of light, relative, of splits; none of frames
+    without noise."""
     lines = np.array([_lines(plane, axis) for plane in statistics.planes])
     if lines.shape[-1] < FEWEST:
         return
     own, frames = np.isin(statistics.splits, list(splits)), statistics.frames
-    darks, flats = (
-        np.flatnonzero(own & (statistics.is_flat == is_lit)) for is_lit in (False, True)
-    )
+    light = _light(statistics)
+    darks = np.flatnonzero(own & ~statistics.is_flat)
+    flats = np.flatnonzero(own & (light > 0).all(axis=0))
     offset, response = parameters_of(axis)
+    each = {}
     dark = np.zeros(lines[:, 0].shape)
     if len(darks):
         dark = np.average(lines[:, darks], axis=1, weights=frames[darks])
-        yield offset, Lines.of(dark.mean(axis=0))
+        each[offset] = Lines.of(dark.mean(axis=0))
     if len(flats):
-        light = _light(statistics)[:, flats]
-        relative = (lines[:, flats] - dark[:, None]) / light[:, :, None]
-        weights = frames[flats] * light.mean(axis=0)
-        yield response, Lines.of(np.average(relative, axis=1, weights=weights).mean(0))
+        relative = (lines[:, flats] - dark[:, None]) / light[:, flats, None]
+        weights = frames[flats] * light[:, flats].mean(axis=0)
+        mean = np.average(relative, axis=1, weights=weights).mean(axis=0)
+        each[response] = Lines.of(mean)
+    yield from ((name, one) for name, one in each.items() if one.noise > 0)
 
 
 def _lines(plane: PlaneStatistics, axis: int) -> Array:

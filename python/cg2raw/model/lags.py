@@ -282,7 +282,7 @@ def lag_gains(
         own = without[True][0]
         if reduction in names:
             own = validation.fitted(_with(places, values))[0]
-        return validation.value(own) + validation.of_ratios(expected) * alike
+        return validation.value(own) + (validation.of_ratios(expected) if alike else 0)
 
     gains = gains_in_smallest_set(
         every,
