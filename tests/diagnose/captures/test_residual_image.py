@@ -80,6 +80,26 @@ def test_nothing_is_found_where_nothing_is_shown(lags, scenes):
     assert found(lags, scenes) == []
 
 
+@pytest.mark.parametrize("share", [0.0, 1e-3])
+def test_pictures_are_read_for_darks_that_may_have_one(share):
+    """Of 4 MP, of which means of large blocks tell that: of noise none is read."""
+
+    def unread():
+        raise EOFError
+
+    scene = shot("scene", "scene", 0.0, 1, raw=unread)
+    darks = [shot("dark", f"dark {n}", 0.0, n) for n in range(3)]
+    rng, blocks = np.random.default_rng(5), Blocks(SENSOR)
+    for dark in darks:
+        blocks.means[dark.name] = rng.normal(0, READ / 4, (500, 500))
+    blocks.means["dark 1"] += share * np.kron(picture(1)[:50, :50], np.ones((10, 10)))
+    if share:
+        with pytest.raises(EOFError):
+            residual_images([scene], darks, blocks, LEAST)
+    else:
+        assert residual_images([scene], darks, blocks, LEAST) == []
+
+
 def test_chance_is_no_residual_image():
     """Of 40 darks in all, with row noise."""
     assert [one for n in range(10) for one in found([None] * 4, first=100 * n)] == []

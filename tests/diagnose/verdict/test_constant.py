@@ -218,6 +218,12 @@ def test_charts_of_levels_shapes_and_neighbours_show_what_was_hidden():
                 for of in (one.before, one.after)
             )
             assert left < (1.0 if name == "hot_pixels" else 0.2) * off, name
+    chart = charts["amplifier_mismatch"]
+    [mismatch] = (one for one in found.effects if one.name == chart.effect)
+    way = "horizontal" if chart.x_label == "column" else "vertical"
+    step, scale = {"DN": ("offset", WHITE)}.get(chart.y_label, ("response", 100.0))
+    size = scale * mismatch.parameters[f"{way}_{step}"].value
+    assert chart.series[0].after[-1] - chart.series[0].after[0] == pytest.approx(size)
 
 
 def stating(*effects):
