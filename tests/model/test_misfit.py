@@ -7,7 +7,9 @@ import pytest
 from scipy.stats import chi2
 
 from cg2raw.model.fit import fit
-from cg2raw.model.likelihood import Misfit, misfits
+from cg2raw.model.likelihood import Likelihood, Misfit, misfits
+from cg2raw.statistics.constant import PIXEL, GroupInfo
+from cg2raw.statistics.frame_statistics import frame_statistics
 from model.planted import planted
 
 P_VALUE = 1e-5  # of some dozens of tests
@@ -24,6 +26,29 @@ def test_a_right_fit_has_none(found):
     for one in every:
         chance = chi2.sf(one.squares, one.freedom), chi2.cdf(one.squares, one.freedom)
         assert min(chance) > P_VALUE, one
+
+
+@pytest.mark.parametrize(("noise", "seed"), [(0.2, 0), (0.23, 1)])
+def test_squares_of_few_codes_vary_more(noise, seed):
+    """About a whole code, 1 to 3 % of the samples have another one, by whose number the
+    squares vary three times as much as those of normal noise."""
+    rng, shape = np.random.default_rng(seed), (64, 80)
+    groups = []
+    for time in (0.0, 1.0):
+        frames = np.rint(64 + noise * rng.standard_normal((2, *shape)))
+        info = GroupInfo("dark", ("a", "b"), time, None, "")
+        groups.append((info, [lambda f=f: f for f in frames.astype(np.uint16)]))
+    likelihood = fit(frame_statistics(groups, 2, 1023)).likelihood
+    theta = np.zeros(len(likelihood.parameters.names))
+    theta[likelihood.parameters.each("read_noise")] = noise**2
+    theta[likelihood.parameters.each("black_level")] = 64.0
+    likelihood = Likelihood(likelihood.means.statistics, theta)
+    every = {(one.what, one.part): one for one in misfits(likelihood, theta)}
+    one = every["pattern", "pixel"]
+    normal = sum(plane.plane.freedom[PIXEL] for plane in likelihood.planes)
+    assert 0.02 < one.freedom / (2 * normal) < 0.3
+    away = (one.squares / one.freedom - 1) / np.sqrt(2 / one.freedom)
+    assert abs(away) < 3.5
 
 
 @pytest.mark.parametrize(

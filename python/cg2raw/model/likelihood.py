@@ -11,9 +11,9 @@ import numpy as np
 
 from cg2raw.model.evaluation import Evaluation, Parameters
 from cg2raw.model.levels import LevelLikelihood
-from cg2raw.model.mean_images import MeanImageLikelihood
+from cg2raw.model.mean_images import Block, MeanImageLikelihood
 from cg2raw.model.planes import PlaneLikelihood
-from cg2raw.statistics.constant import PARTS, Array, ConstantStatistics
+from cg2raw.statistics.constant import PARTS, PIXEL, Array, ConstantStatistics
 
 
 class Likelihood:
@@ -106,15 +106,33 @@ def misfits(likelihood: Likelihood, theta: Array) -> Iterator[Misfit]:
         each = float(squares[g, part]), float(freedom[g, part])
         yield Misfit("noise", PARTS[part], int(g), *each)
     for part, name in enumerate(PARTS):
-        total, count = 0.0, 0.0
+        total, count, wider = 0.0, 0.0, 0.0
         by_group = np.zeros(len(likelihood.planes[0].frames))
         for block, covariance in likelihood.means.covariances(theta, recorded):
             if block.part == part:
                 whitened = np.linalg.solve(covariance, block.products)
                 total += block.freedom * float(np.trace(whitened))
                 count += block.freedom * len(covariance)
+                wider += float(_tails(likelihood, block, np.diagonal(covariance)).sum())
                 own = np.diagonal(block.products) / np.diagonal(covariance)
                 by_group += own.reshape(len(block.planes), -1).sum(axis=0)
         if count > 0:
             worst = int(np.argmax(np.abs(np.log(np.maximum(by_group, 1e-300)))))
-            yield Misfit("pattern", name, worst, total, count)
+            less = 1 / (1 + wider / count)
+            yield Misfit("pattern", name, worst, total * less, count * less)
+
+
+def _tails(likelihood: Likelihood, block: Block, expected: Array) -> Array:
+    """Return (N,) by how much more the squares of mean images vary than normal ones do,
+    times their freedom: noise of few codes has long tails. expected : (N,) DN^2."""
+    if block.part != PIXEL:
+        return np.zeros(len(expected))
+    frames = likelihood.planes[0].frames
+    again = np.maximum(frames - 1, 1)
+    each = []
+    for plane in (likelihood.planes[n] for n in block.planes):
+        normal, own = plane.plane.freedom[PIXEL] * again, plane.freedom[:, PIXEL]
+        more = np.where(own > 0, normal / np.where(own > 0, own, 1.0) - 1, 0.0)
+        of_noise = plane.scatter[:, PIXEL] / frames
+        each.append(np.maximum(more, 0.0) / again * of_noise**2)
+    return block.freedom * np.concatenate(each) / expected**2

@@ -415,7 +415,8 @@ def _recording(
         both = law.smoothed(np.array([of_noise, of_lines]), fixed + apart) ** 2
         both[0] = law.smoothed(both[0], square)
         at = np.add.outer(drift, near)
-        pairs.append([float(law.of(one, at).mean()) for one in both])
+        # Where codes record hardly anything, a transform may ring below 0.
+        pairs.append([max(float(law.of(one, at).mean()), 0.0) for one in both])
     (across, in_rows), (down, in_columns) = pairs
     rows, columns = lines
     # Of pixels, from frame to frame beyond what their place does.
