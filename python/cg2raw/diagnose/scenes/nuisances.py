@@ -27,7 +27,6 @@ from cg2raw.model.figures import NORMAL
 from cg2raw.sensor import Sensor
 
 FREE = 1.0  # relative deviation of light that nobody measured
-EXACT = 1e-6  # of the registry's range
 POSE_DEVIATION = 1.0  # px, beside the place that correlation found
 # Of a render's sharpness, by the Laplacian and its square: an edge that is sampled
 # coarsely cannot be moved by part of a pixel exactly.
@@ -118,16 +117,15 @@ def nuisances_of(
 
 def known_effects(sensor: Sensor) -> dict[Effect, Array]:
     """Return the standard errors (k,) of the values that darks and flats gave to
-    effects of the mean, by their 95 % intervals: images may correct them by as much; a
-    parameter without an interval by EXACT of its range."""
+    effects of the mean, by their 95 % intervals: images may correct them by as much."""
     found = {}
     for entry in json.loads(sensor.to_json()).get("effects", []):
         one = every()[entry["name"]].of_cfa(sensor.cfa)
-        known = entry.get("ci95", {})
-        if one.predicted and not set(known).isdisjoint(one.used):
-            low, high = np.array([known.get(name, (0.0, 0.0)) for name in one.used]).T
-            least = EXACT * (one.high - one.low)[one.is_used]
-            found[one] = np.maximum((high - low) / 2 / NORMAL, least)
+        ends = entry.get("ci95", {})
+        if one.predicted and set(one.parameters) <= set(ends):
+            low, high = np.array([ends[name] for name in one.parameters]).T
+            if (high > low).all():
+                found[one] = (high - low) / 2 / NORMAL
     return found
 
 
