@@ -8,7 +8,7 @@ import pytest
 from cg2raw.model.amplifier_mismatch import (
     Lines,
     amplifier_mismatch,
-    parameters_of,
+    parameter_names,
     unit_step,
 )
 from cg2raw.statistics.constant import PARTS, GroupInfo
@@ -16,7 +16,7 @@ from oracles.plain_statistics import plain_statistics
 
 SPLITS = ("training", "validation", "test")
 LEAST = 8.0
-HORIZONTAL, SMOOTH = parameters_of(1), "bias_structure"
+HORIZONTAL, SMOOTH = parameter_names(1), "bias_structure"
 
 
 def statistics(axis, offset, response, ramp=0.0, seed=0):
@@ -43,7 +43,7 @@ def test_a_step_is_measured_and_leaves_nothing(axis):
     made, plain = statistics(axis, 2.0, 0.01), statistics(axis, 0.0, 0.0)
     found = amplifier_mismatch(made, SPLITS, LEAST, {})
     assert found.gain > 30
-    steps = [found.steps[name] for name in parameters_of(axis)]
+    steps = [found.steps[name] for name in parameter_names(axis)]
     for step, truth in zip(steps, (2.0, 0.01), strict=True):
         assert step.value == pytest.approx(truth, abs=3 * step.error)
     assert steps[0].error < 0.25 and steps[1].error < 4e-4

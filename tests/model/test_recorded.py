@@ -192,7 +192,7 @@ def test_two_frames_have_a_spread_of_response():
 def test_fine_codes_need_no_table():
     about, levels, places = Offsets(4.0, 0.1, 0.1), np.full(1, 200.0), np.zeros(1)
     one = recorder_of(levels, places, EVEN, about, 4.0, WHITE, False)
-    assert one.table is None and one.noise_of(4.0) == 4.0 - 1 / 12
+    assert one.table is None and one.unrounded(4.0) == 4.0 - 1 / 12
     values, slopes = fine_records(levels, np.array([4.0]), np.array([[0.0, 1.0]]))
     fine = FINE_CODES._replace(place=200.0, variance=4.0 + 1 / 12)
     assert Recording(*np.array(values)[:, 0]) == fine
@@ -206,7 +206,7 @@ def test_noise_is_estimated_from_the_variance_of_its_codes(variance):
     about, levels, places = Offsets(0.1, 0.01, 0.01), np.full(1, 20.1), np.zeros(1)
     one = recorder_of(levels, places, EVEN, about, 0.1, WHITE, False)
     coded = Recording(*one(about._replace(noise=variance))[0]).variance
-    assert one.noise_of(coded) == pytest.approx(variance, rel=1e-3)
+    assert one.unrounded(coded) == pytest.approx(variance, rel=1e-3)
 
 
 @pytest.mark.parametrize(("variance", "share", "ratio"), [(0.3, 0, 1), (4, 0.1, 9)])

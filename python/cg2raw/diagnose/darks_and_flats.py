@@ -25,7 +25,11 @@ from cg2raw.diagnose.effects.catalogue import names as every_name
 from cg2raw.diagnose.effects.registry import listed_parameters
 from cg2raw.diagnose.stated_shapes import StatedShapes
 from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
-from cg2raw.model.amplifier_mismatch import AmplifierMismatch, amplifier_mismatch
+from cg2raw.model.amplifier_mismatch import (
+    AmplifierMismatch,
+    amplifier_mismatch,
+    unit_of,
+)
 from cg2raw.model.dark_levels import LEVELS
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit
@@ -165,8 +169,7 @@ def darks_and_flats(
         if len(every) < len(captures.captures):
             notes.append("Darks of saved statistics: no residual image is looked for.")
     else:
-        watched = [blocks.watched(c) if c.kind == "dark" else c for c in used]
-        whole = statistics_by_split(watched, sensor, tell)
+        whole = statistics_by_split([*map(blocks.watched, used)], sensor, tell)
     spoiled = _spoiled(captures.captures, used, blocks, least, notes)
     if spoiled:
         used = [c for c in used if c not in spoiled]
@@ -190,7 +193,7 @@ def darks_and_flats(
         profile = _with_noise_of(of_splits(whole, GROUPS[:2]), profile, parameters)
     white = sensor.signal_range
     steps = {
-        name: value * (white if name.endswith("offset") else 1.0)
+        name: value * unit_of(name, white)
         for name, value in (listed_parameters(sensor, MISMATCH) or {}).items()
     }
     may_differ = names is None or MISMATCH in names
@@ -384,8 +387,8 @@ def untested(sensor: Sensor) -> set[str]:
     a law or a shape, and a variance of what is not masked is what they measure."""
     stated = {entry["name"] for entry in sensor.effects or ()}
     stated |= {TAILS} & {*sensor.noise_effects}
-    tested = {*OF_EFFECTS, *NOISE_TABLE, *SHARED, "black_level", WELL, MISMATCH}
-    tested.add("hot_pixels")
+    tested = {*OF_EFFECTS, *NOISE_TABLE, *SHARED, WELL, MISMATCH}
+    tested |= {"black_level", "hot_pixels"}
     return stated - tested | stated & {"dark_current_nonuniformity"}
 
 

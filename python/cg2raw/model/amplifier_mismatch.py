@@ -65,7 +65,7 @@ class AmplifierMismatch:
                 _less(plane, axis, of_plane)
                 for plane, of_plane in zip(statistics.planes, sizes, strict=True)
             ]
-            mean_of = partial(_mean_of, statistics, axis, sizes)
+            mean_of = partial(_image_of, statistics, axis, sizes)
             statistics = replace(statistics, planes=tuple(planes), mean_of=mean_of)
         return statistics
 
@@ -80,7 +80,9 @@ class AmplifierMismatch:
         for axis in DIRECTIONS:
             of_step = polynomials(shape[axis])[1 : SMOOTH + 1] @ unit_step(shape[axis])
             size = shape[1 - axis] * float((of_step**2).mean())
-            for name, shape_name in zip(parameters_of(axis), SMOOTH_NAMES, strict=True):
+            for name, shape_name in zip(
+                parameter_names(axis), SMOOTH_NAMES, strict=True
+            ):
                 if name in self.steps:
                     yield shape_name, self.steps[name].error ** 2 * size
 
@@ -88,7 +90,7 @@ class AmplifierMismatch:
         """Yield each axis on which halves differ, with offset and response."""
         sizes = {**self.stated, **{n: step.value for n, step in self.steps.items()}}
         for axis in DIRECTIONS:
-            offset, response = (sizes.get(name, 0.0) for name in parameters_of(axis))
+            offset, response = (sizes.get(name, 0.0) for name in parameter_names(axis))
             if offset or response:
                 yield axis, (offset, response)
 
@@ -107,12 +109,12 @@ def amplifier_mismatch(
     steps, tested = dict[str, Step](), dict[str, Step]()
     for axis in DIRECTIONS:
         training, validation, test, both = (
-            dict(_lines_of(statistics, some, axis))
+            dict(_split_lines(statistics, some, axis))
             for some in (*([split] for split in splits), splits[:2])
         )
         errors |= {name: one.step().error for name, one in validation.items()}
         total = np.zeros(3)
-        own = dict[str, NDArray[np.float64]]()
+        own = dict[str, Array]()
         for name in (name for name in training if name in validation):
             own[name] = _gains(training[name], validation[name], stated.get(name, 0.0))
             total += own[name]
@@ -123,7 +125,7 @@ def amplifier_mismatch(
             steps |= {name: one.step(not is_alone) for name, one in both.items()}
             tested |= {name: one.step(not is_alone) for name, one in test.items()}
             continue
-        for name, smooth in zip(parameters_of(axis), SMOOTH_NAMES, strict=True):
+        for name, smooth in zip(parameter_names(axis), SMOOTH_NAMES, strict=True):
             _, of_steps, instead = own.get(name, np.zeros(3)).tolist()
             if of_steps > least and instead > -least:
                 alike.add(smooth)
@@ -145,9 +147,15 @@ def _gains(training: "Lines", validation: "Lines", stated: float) -> Array:
     return np.array([with_both - of_smooth, of_step - of_nothing, of_step - of_smooth])
 
 
-def parameters_of(axis: int) -> tuple[str, str]:
+def parameter_names(axis: int) -> tuple[str, str]:
     """Return the names of an offset and of a response."""
     return f"{DIRECTIONS[axis]}_offset", f"{DIRECTIONS[axis]}_response"
+
+
+def unit_of(parameter: str, white: float) -> float:
+    """Return what one of the registry's unit is of a step: offsets are DN, shares of
+    white there; responses are relative in both."""
+    return white if parameter.endswith("offset") else 1.0
 
 
 def unit_step(count: int) -> Array:
@@ -205,7 +213,7 @@ class Lines:
         return [(both[0][part], both[1][part]) for part in ends]
 
     def likelihood(self, value: float, is_free: bool = True) -> float:
-        """Return the log-likelihood of a step, beside a constant. Each part has a
+        """Return the log-likelihood of a step, up to a constant. Each part has a
         variance of its own, above the noise, which is not known. is_free : what is
         smooth has, too; else it is noise."""
         nats = -(((value - self.value) / self.error) ** 2) / 2
@@ -242,7 +250,7 @@ class Lines:
             yield rest, of_step, max(own, self.noise)
 
 
-def _lines_of(
+def _split_lines(
     statistics: ConstantStatistics, splits: Collection[str], axis: int
 ) -> Iterator[tuple[str, Lines]]:
     """Yield the lines of darks, DN, and of light, relative, of splits; none of frames
@@ -254,7 +262,7 @@ def _lines_of(
     light = _light(statistics)
     darks = np.flatnonzero(own & ~statistics.is_flat)
     flats = np.flatnonzero(own & (light > 0).all(axis=0))
-    offset, response = parameters_of(axis)
+    offset, response = parameter_names(axis)
     each = {}
     dark = np.zeros(lines[:, 0].shape)
     if len(darks):
@@ -273,21 +281,16 @@ def _lines(plane: PlaneStatistics, axis: int) -> Array:
     return plane.columns if axis else plane.rows
 
 
-def _with(plane: PlaneStatistics, axis: int, lines: Array) -> PlaneStatistics:
-    """Return a plane whose mean images have other lines, (G, n)."""
+def _less(plane: PlaneStatistics, axis: int, sizes: Array) -> PlaneStatistics:
+    """Return a plane without a step of (G,) DN."""
     before, across = _lines(plane, axis), plane.shape[1 - axis]
+    lines = before - np.outer(sizes, unit_step(before.shape[1]))
     whole = plane.whole - across * (before @ before.T - lines @ lines.T)
     found = replace(plane, whole=whole)
     return replace(found, columns=lines) if axis else replace(found, rows=lines)
 
 
-def _less(plane: PlaneStatistics, axis: int, sizes: Array) -> PlaneStatistics:
-    """Return a plane without a step of (G,) DN."""
-    lines = _lines(plane, axis)
-    return _with(plane, axis, lines - np.outer(sizes, unit_step(lines.shape[1])))
-
-
-def _mean_of(
+def _image_of(
     statistics: ConstantStatistics, axis: int, sizes: Array, number: int
 ) -> NDArray[np.float32]:
     """Return the mean image of a group without steps of (P, G) DN."""

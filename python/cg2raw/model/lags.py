@@ -107,6 +107,12 @@ class Lags:
         is_free = [name in names for name, _ in PARAMETERS]
         return self.fitted(np.where(is_free, np.nan, self.null))
 
+    @cached_property
+    def unreduced(self) -> tuple[Array, Array]:
+        """The likeliest values and their covariance with no more noise reduction than
+        the profile has."""
+        return self.fitted(_with(NAMES["noise_reduction"], self.null))
+
     def fitted(
         self, pinned: Array, lowered: NDArray[np.bool_] | bool = False
     ) -> tuple[Array, Array]:
@@ -260,14 +266,9 @@ def lag_gains(
     every = {reduction: len(places)}
     every |= {name: 1 for name in LOGARITHMS if alike and name in training.of}
 
-    # Without noise reduction, whatever the other names.
-    without = [
-        one.fitted(_with(places, training.null)) for one in (training, validation)
-    ]
-
     def fitted(lags: Lags, names: Collection[str]) -> tuple[Array, Array, Array]:
         """Return values, their covariance, and the ratios that they expect."""
-        values, covariance = without[lags is validation]
+        values, covariance = lags.unreduced
         if reduction in names:
             own = np.isin(lags.of, list(names))
             values, covariance = lags.fitted(nothing, ~own & alike)
@@ -279,7 +280,7 @@ def lag_gains(
 
     def value(names: Collection[str], found: tuple[Array, Array, Array]) -> float:
         values, _, expected = found
-        own = without[True][0]
+        own = validation.unreduced[0]
         if reduction in names:
             own = validation.fitted(_with(places, values))[0]
         return validation.value(own) + (validation.of_ratios(expected) if alike else 0)

@@ -220,7 +220,7 @@ class PlaneLikelihood:
     def unrounded(self) -> Array:
         """Return (G,) DN^2, the noise of pixels before it is recorded, by its codes."""
         both = zip(self.recorders, self.scatter[:, PIXEL], strict=True)
-        return np.array([recorder.noise_of(variance) for recorder, variance in both])
+        return np.array([recorder.unrounded(variance) for recorder, variance in both])
 
     def places(self, noise: float) -> Array:
         """Return (G,) DN, where signals lie whose pixels have a noise, DN^2."""

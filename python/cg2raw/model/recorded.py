@@ -193,7 +193,7 @@ class Recorder:
         moved = np.abs(np.subtract(offsets, self.about))
         return bool((moved <= SAME * np.array(self.about) + SAME * LEAST_OFFSET).all())
 
-    def noise_of(self, variance: float) -> float:
+    def unrounded(self, variance: float) -> float:
         """Return the noise whose codes have a variance, DN^2, within the table."""
         if self.table is None:
             return variance - ROUNDING

@@ -78,9 +78,8 @@ def check(
             continue
         complaints += [words] if (words := repeats.first_is_off()) else []
         remarks += remarks_on(repeats, ours[0].shows.light, sensor, nuisances)
-    darks = [f.capture for f in frames if f.capture.name in blocks.means]
-    darks = [capture for capture in darks if not capture.shows.light]
-    every, least = [f.capture for f in frames], -math.log(FALSE_ALARM)
+    every, least = [frame.capture for frame in frames], -math.log(FALSE_ALARM)
+    darks = [c for c in every if c.name in blocks.means and not c.shows.light]
     complaints += [
         f"{one}: leave it out; take darks before other frames, or wait after these"
         for one in residual_images(every, darks, blocks, least)

@@ -7,7 +7,7 @@ A dark less its repeats is compared with each picture, by means of blocks of pix
 without what whole rows and columns have."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -24,7 +24,7 @@ from cg2raw.statistics.temperature import set_points
 Means = NDArray[np.float32]
 LEAST_BLOCK = 4  # pixels along a side
 CUT = 5.0  # standard deviations, where what single blocks have is cut off
-COARSE = 16
+COARSE = 16  # blocks along a side, whose means noise hardly moves
 SURE = 3.0  # standard errors of a variance
 LEAST_SHARE = 0.05  # of the noise of a block: less than that moves nothing
 
@@ -64,7 +64,10 @@ class Blocks:
         return self.means[capture.name]
 
     def watched(self, capture: Capture) -> Capture:
-        """Return a capture whose blocks are kept as soon as it is read."""
+        """Return a capture whose blocks are kept as soon as it is read; those of flats
+        are of no use."""
+        if capture.shows.light and not capture.shows.image:
+            return capture
 
         def raw() -> RawImage:
             image = capture.raw()
@@ -96,8 +99,8 @@ def residual_images(
     ]
     images = [[blocks.means[one.name] for one in some] for some in repeated]
     is_any = any(_may_show(image, some) for some in images for image in some)
-    pictures = _pictures(captures, blocks) if is_any else {}
-    tries = max(len(darks) * len(pictures), 1)
+    pictures = _pictures(captures, blocks) if is_any else []
+    least += math.log(max(len(darks) * len(pictures), 1))
     found = []
     for some in repeated:
         left = {one.name: blocks.means[one.name] for one in some}
@@ -110,7 +113,7 @@ def residual_images(
                 ),
                 key=lambda one: one[1].nats,
             )
-            if best.nats <= least + math.log(tries):
+            if best.nats <= least:
                 break
             found.append(ResidualImage(name, best.picture, best.share))
             del left[name]
@@ -139,13 +142,26 @@ def means_of_blocks(image: NDArray[Any], side: int) -> Means:
     return found
 
 
-def _pictures(captures: Sequence[Capture], blocks: Blocks) -> Mapping[str, Means]:
-    """Return the blocks of a picture of each set: its repeats show the same."""
+class _Picture(NamedTuple):
+    """light : blocks, without whole rows and columns. level : DN, mean of all."""
+
+    name: str
+    light: Means
+    level: float
+
+
+def _pictures(captures: Sequence[Capture], blocks: Blocks) -> list[_Picture]:
+    """Return a picture of each set: its repeats show the same."""
     first: dict[object, Capture] = {}
     for capture in captures:
         if capture.shows.image and capture.means is None:
             first.setdefault(capture.set, capture)
-    return {capture.name: blocks.of(capture) for capture in first.values()}
+    found = []
+    for capture in first.values():
+        if (image := blocks.of(capture)).size:
+            level = float(np.abs(image).mean())
+            found.append(_Picture(capture.name, _alone(image), level))
+    return found
 
 
 class _Best(NamedTuple):
@@ -155,7 +171,7 @@ class _Best(NamedTuple):
 
 
 def _best(
-    dark: Means, others: Means, count: int, pictures: Mapping[str, Means]
+    dark: Means, others: Means, count: int, pictures: Sequence[_Picture]
 ) -> _Best:
     """Return the picture that a dark has most of, beyond the mean of @count others,
     whose sum is given; nothing where that is too little to move anything."""
@@ -164,14 +180,13 @@ def _best(
     away = np.clip(away, -CUT * scale, CUT * scale)
     noise = scale / math.sqrt(1 + 1 / count)
     best = _Best()
-    for name, picture in pictures.items():
-        if picture.shape != away.shape or not scale:
+    for name, light, level in pictures:
+        if light.shape != away.shape or not scale:
             continue
-        light = _alone(picture)
         size = float((light**2).sum())
         share = float((away * light).sum()) / size if size else 0.0
         nats = size * share**2 / scale**2 / 2
-        matters = share * float(np.abs(picture).mean()) > LEAST_SHARE * noise
+        matters = share * level > LEAST_SHARE * noise
         if share > 0 and matters and nats > best.nats:
             best = _Best(name, share, nats)
     return best

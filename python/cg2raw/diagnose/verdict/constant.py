@@ -83,8 +83,8 @@ def diagnosis_of(
     samples = samples_of(test)
     shapes = untested(captures.sensor)
     fits = [_fit_of(found, [*some, *free, *shapes]) for some in ([], chosen)]
-    tested = [found.amplifiers.given_back(test), test]
-    held_out = [_held_out(*one) for one in zip(fits, tested, strict=True)]
+    with_steps = found.amplifiers.given_back(test)
+    held_out = [_held_out(fits[0], with_steps), _held_out(fits[1], test)]
     model = fits[1]
     gap, freedom = _gap(found, chosen, held_out, samples, bool(free))
     tests = [tests_of(one, model, samples) for one in held_out]

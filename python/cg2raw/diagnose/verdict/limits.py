@@ -11,7 +11,6 @@ from cg2raw.diagnose.darks_and_flats import VALIDATION, DarksAndFlats
 from cg2raw.diagnose.diagnosis import DetectionLimit
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.verdict.values import limits_of_levels, of_amplifiers
-from cg2raw.model.amplifier_mismatch import Step
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.values import Value, effect_values
 
@@ -29,10 +28,8 @@ def detection_limits(
     own = found.of_split(VALIDATION)
     values = effect_values(own, selected.validation, found.profile, white)
     root = np.sqrt(2 * (found.least + 0.5))
-    steps = {
-        name: Step(0.0, e, np.zeros(0)) for name, e in found.amplifiers.errors.items()
-    }
-    of_steps = of_amplifiers(found, steps)
+    errors = found.amplifiers.errors.items()
+    of_steps = of_amplifiers(found, {name: (0.0, error) for name, error in errors})
     for one in (*values, *limits_of_levels(found), *of_steps):
         if one.effect in named:
             continue

@@ -24,7 +24,7 @@ from cg2raw.diagnose.verdict.measurements import measurements_of
 from cg2raw.diagnose.verdict.profile import OF_SENSOR
 from cg2raw.model import flicker
 from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
-from cg2raw.model.amplifier_mismatch import AmplifierMismatch, Step
+from cg2raw.model.amplifier_mismatch import AmplifierMismatch, unit_of
 from cg2raw.model.figures import NORMAL
 from cg2raw.model.flat_levels import CHANGES
 from cg2raw.model.full_well import NAME as WELL
@@ -73,7 +73,7 @@ def values_of(found: DarksAndFlats, named: Collection[str]) -> list[Value]:
         *_of_shapes(found, named),
         *_of_flicker(found, named),
         *_of_well(found, named),
-        *of_amplifiers(found, found.amplifiers.steps),
+        *of_amplifiers(found, {n: s[:2] for n, s in found.amplifiers.steps.items()}),
     ]
 
 
@@ -87,13 +87,17 @@ def _of_well(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
         yield Value(WELL, "below_white", value, value - half, value + half)
 
 
-def of_amplifiers(found: DarksAndFlats, steps: Mapping[str, Step]) -> Iterator[Value]:
-    """Yield steps between halves, in the units of the registry."""
+def of_amplifiers(
+    found: DarksAndFlats, steps: Mapping[str, tuple[float, float]]
+) -> Iterator[Value]:
+    """Yield steps between halves, each with its standard error, in the units of the
+    registry."""
     white = found.captures.sensor.signal_range
-    for parameter, step in steps.items():
-        numbers = step.value + step.error * np.array([0, -NORMAL, NORMAL])
-        scale = white if parameter.endswith("offset") else 1.0
-        yield Value(MISMATCH, parameter, *map(float, numbers / scale))
+    for parameter, (value, error) in steps.items():
+        numbers = value + error * np.array([0, -NORMAL, NORMAL])
+        yield Value(
+            MISMATCH, parameter, *map(float, numbers / unit_of(parameter, white))
+        )
 
 
 def _of_flicker(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
