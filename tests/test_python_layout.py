@@ -21,6 +21,7 @@ ROOMS = (
     "cg2raw.core_arguments",
     "cg2raw.argument_types",
     "cg2raw.arrays",
+    "cg2raw.normal",
     "cg2raw.raw_frame",
     "cg2raw.cfa",
     "cg2raw.exposure",

@@ -26,12 +26,11 @@ from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.sites import Sites
 from cg2raw.io.json_text import formatted
 from cg2raw.model.values import FIGURES
+from cg2raw.normal import CI95, TUKEY_LAMBDA
 from cg2raw.sensor import Sensor
 
 SOURCE = "cg2raw calibrate (EMVA 1288 R4.0)"
-NORMAL = 0.14  # Tukey's lambda of an almost normal distribution
 DIGITS = 6  # significant, of numbers in the profile
-CI95 = 1.96  # standard errors
 CHANCE = 1.35e-3  # of a normal deviate above three standard deviations
 CORRELATION_FLOOR = 0.005  # which a few flickering pixels bring
 SHADING_FLOOR = 1e-3  # rms; no lamp is flatter
@@ -266,7 +265,7 @@ def add_noise(
         if found.tails is not None:
             tail, rows = found.tails.tukey_lambda, found.figure("row noise")
             shape = {
-                "tukey_lambda": rounded(NORMAL if tail is None else tail),
+                "tukey_lambda": rounded(TUKEY_LAMBDA if tail is None else tail),
                 "row_sigma": rounded((rows.value if rows else 0.0) / found.range),
             }
         row = {**before, **row, **shape}

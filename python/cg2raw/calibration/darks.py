@@ -32,6 +32,7 @@ from cg2raw.model.dark_law import (
     quantile,
 )
 from cg2raw.model.shapes.hot_pixels import LAW
+from cg2raw.normal import CI95
 from cg2raw.statistics.constant import BINS_PER_SIGMA, DarkRates
 from cg2raw.statistics.dark_rates import slope_of
 
@@ -46,7 +47,6 @@ TAILS_FLOOR = 0.19
 HISTOGRAM = np.linspace(-8, 8, 129)  # edges, standard deviations of the difference
 LEAST_LAMBDA = -0.2  # of Tukey's distribution; at -0.25 its kurtosis has no bound
 SHARES = (0.9, 0.99, 0.999, 0.9999)  # quantiles that are told
-FALL95 = 1.92  # nats by which the likelihood falls to its limit of 95 %
 AT_BOUND = 0.01  # relative, to a bound of the search
 
 
@@ -322,5 +322,5 @@ def most_hot(counts: Array, law: DarkLaw) -> float:
     laws = (replace(law, fraction=float(share), hot_rate=FAR) for share in tried)
     nats = np.array([nats_of(counts, one) for one in laws])
     best = int(nats.argmax())
-    beyond = np.flatnonzero(nats[best:] < nats[best] - FALL95)
+    beyond = np.flatnonzero(nats[best:] < nats[best] - CI95**2 / 2)
     return float(tried[best + beyond[0]]) if beyond.size else MOST_HOT

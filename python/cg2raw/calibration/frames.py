@@ -18,12 +18,12 @@ from cg2raw.arrays import RawImage, raw_plane
 from cg2raw.calibration.measured import CUT, LEFT, ROUNDS, Array
 from cg2raw.calibration.sites import LEAST_REPEATS, Sites
 from cg2raw.model.dark_law import MIDDLE
+from cg2raw.model.fit import SAME_LIGHT
+from cg2raw.normal import robust_deviation
 from cg2raw.sensor import Sensor
 from cg2raw.statistics import codes
-from cg2raw.statistics.spots import MAD
 from cg2raw.statistics.temperature import set_points
 
-SAME_LEVEL = 0.05  # relative, of flats that repeat each other under a drifting lamp
 LEAST_SIGMA = 0.5  # steps of codes, below which no cut goes: it would lose all but one
 FEWEST_CODES = 8  # DN that must occur before a missing one is no chance
 MOST_CUT = 0.001  # of a dark's pixels, at 0 DN; more move its mean
@@ -220,7 +220,7 @@ def by_level(flats: Sequence[Frame], levels: Sequence[float]) -> list[list[Frame
     levels : DN, of each."""
     order = np.argsort(levels, kind="stable")
     rising = np.asarray(levels)[order]
-    ends = np.flatnonzero(rising[1:] > rising[:-1] * (1 + SAME_LEVEL)) + 1
+    ends = np.flatnonzero(rising[1:] > rising[:-1] * (1 + SAME_LIGHT)) + 1
     return [[flats[n] for n in sorted(part)] for part in np.split(order, ends)]
 
 
@@ -254,8 +254,8 @@ def how_off(item: Scanned, group: Group, black: float) -> str:
     middle = float(np.median(levels))
     noise = float(np.median([one.noise for one in group.frames]))
     far = float(np.median([one.far for one in group.frames]))
-    spread = MAD * float(np.median(np.abs(levels - middle)))
-    most = max(noise, SAME_LEVEL * (middle - black), FAR * spread)
+    spread = robust_deviation(levels)
+    most = max(noise, SAME_LIGHT * (middle - black), FAR * spread)
     if abs(item.mean_level - middle) > most:
         return level_off(item.mean_level - middle, group, len(levels) - 1)
     others = f"that of the {len(levels) - 1} other {group.words}"

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.statistics.spots import MAD
+from cg2raw.normal import MAD
 
 Array = NDArray[Any]
 SIGNIFICANT = 3.0  # standard errors

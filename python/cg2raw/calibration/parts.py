@@ -16,7 +16,7 @@ from scipy.ndimage import median_filter
 
 from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.measured import Array
-from cg2raw.statistics.spots import MAD
+from cg2raw.normal import robust_deviation
 
 CERTAIN = 8.0  # standard deviations of what steps are elsewhere
 # What moves a number: of the temporal dark noise, of the response, of a variance.
@@ -93,8 +93,7 @@ def steps_of(profile: Array, least: float, side: int) -> list[tuple[str, float]]
         signs = np.where(np.arange(len(profile) - 1) % 2, -1.0, 1.0)
         each = signs * np.diff(profile)
         middle_step = float(np.median(each))
-        spread = MAD * float(np.median(np.abs(each - middle_step)))
-        error = spread / math.sqrt(len(each) / 2)
+        error = robust_deviation(each) / math.sqrt(len(each) / 2)
         if abs(middle_step) > max(CERTAIN * error, least):
             found.append((ALTERNATE, middle_step))
     return found

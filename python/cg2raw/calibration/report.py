@@ -18,7 +18,7 @@ from cg2raw.io.atomic_file import write_with_folder
 from cg2raw.io.map_image import SEQUENTIAL, map_image
 from cg2raw.io.report_page import Box, Card, Image, Page, Table, html_of
 from cg2raw.io.svg import AFTER, BEFORE, INK, SHAPES, SITES, Mark, lines
-from cg2raw.model.figures import NORMAL
+from cg2raw.normal import CI95
 from cg2raw.short_messages import plural
 
 PAGE = "calibration.html"
@@ -103,7 +103,7 @@ def interval(value: Measured | None) -> str:
     """Return the 95 % interval of a number, "" of none."""
     if value is None:
         return ""
-    half = NORMAL * value.standard_error
+    half = CI95 * value.standard_error
     ends = (Measured(value.value + n * half, half, "") for n in (-1, 1))
     low, high = (told(one).partition(" ")[0] for one in ends)
     unit = "" if value.unit == "1" else f" {value.unit}"

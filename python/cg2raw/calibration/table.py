@@ -12,6 +12,7 @@ from cg2raw.calibration.darks import LEAST_LAMBDA
 from cg2raw.calibration.fitting import OF_LIGHT
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.structure import EXTENTS
+from cg2raw.normal import TUKEY_LAMBDA
 
 # Figures of the fit of all frames, by section.
 BLACK = ("black level", "black level drift")
@@ -91,7 +92,9 @@ def noise_lines(found: Calibration) -> Iterator[Line]:
     tails, shape = found.tails, ""
     if tails is not None and tails.tukey_lambda is not None:
         beyond = "at most " if tails.tukey_lambda <= LEAST_LAMBDA else ""
-        shape = f"Tukey lambda {beyond}{tails.tukey_lambda:.2f} (normal: 0.14)"
+        shape = (
+            f"Tukey lambda {beyond}{tails.tukey_lambda:.2f} (normal: {TUKEY_LAMBDA})"
+        )
     yield "excess kurtosis", tails.excess_kurtosis if tails else None, shape
 
 

@@ -18,13 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.io.raw_header import Levels
+from cg2raw.normal import robust_deviation
 
 SECTION = re.compile(r"\[\s*(-?\d+)\s*:\s*(-?\d+)\s*,\s*(-?\d+)\s*:\s*(-?\d+)\s*\]")
 PICTURES = ("TRIMSEC", "DATASEC")  # the first that is there counts
 PLACES = ("DETSEC", "CCDSEC")
 ROOM = 6.0  # sigma of the overscan, that black must lie above 0 DN
 CLIPPED = 4.0  # sigma; pixels of the overscan further off are no bias
-SD_OF_MAD = 1.4826  # of a normal distribution
 
 Plane = NDArray[np.float64]
 
@@ -272,7 +272,7 @@ def moved(path: str, plane: Plane, overscan: Plane, levels: Levels) -> Plane:
 
     It moves by whole DN, so that words stay words; saturated pixels stay so."""
     middle = np.median(overscan)
-    sd = max(SD_OF_MAD * float(np.median(np.abs(overscan - middle))), 0.5)
+    sd = max(robust_deviation(overscan), 0.5)
     near = overscan[np.abs(overscan - middle) <= CLIPPED * sd]
     bias = float(near.mean())
     if levels.black < min(ROOM * sd, bias):

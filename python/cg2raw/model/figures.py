@@ -17,9 +17,9 @@ from cg2raw.model.fit import Fit
 from cg2raw.model.levels import Line
 from cg2raw.model.planes import PlaneLikelihood, neighbours
 from cg2raw.model.structure import structure_of
+from cg2raw.normal import CI95
 from cg2raw.statistics.constant import Array, ConstantStatistics
 
-NORMAL = 1.959964  # standard errors to each side of 95 %
 # Of a dark's samples at 0: with more, not even the median of its signal is seen, and
 # what darks say rests on the tail of a law.
 MOST_CUT = 0.5
@@ -46,7 +46,7 @@ class Figure:
     ) -> "Figure":
         """Return one with the interval of a normal law, cut at the least that it may
         be."""
-        half = NORMAL * error
+        half = CI95 * error
         return cls(name, unit, value, error, max(value - half, least), value + half)
 
 
@@ -134,13 +134,13 @@ def _root(
 ) -> Figure:
     """Return the root of a variance with its error and interval; 0 for one below 0.
     It is missing where all of its interval is below 0."""
-    low, high = ends or (square - NORMAL * error, square + NORMAL * error)
+    low, high = ends or (square - CI95 * error, square + CI95 * error)
     if high <= 0:  # no variance: the model is not that of these frames
         error = np.nan
     low, value, high = (float(np.sqrt(max(x, 0.0))) for x in (low, square, high))
     # The root of a variance near 0 has no slope: there the error is half the interval.
     by_slope = error / 2 / value if value > 0 else np.inf + error
-    error = np.minimum(by_slope, (high - low) / 2 / NORMAL)
+    error = np.minimum(by_slope, (high - low) / 2 / CI95)
     return Figure(name, unit, value, error, low, high, site)
 
 
@@ -229,7 +229,7 @@ def _patterns(found: Fit) -> Iterator[Figure]:
 def _light(found: Fit) -> Iterator[Figure]:
     for site in range(found.parameters.sites):
         value, error = found.of("gain", site)
-        ends = _inverse(value + NORMAL * error), _inverse(value - NORMAL * error)
+        ends = _inverse(value + CI95 * error), _inverse(value - CI95 * error)
         relative = error / value if value > 0 else np.nan
         yield Figure(
             "gain", "e-/DN", _inverse(value), relative * _inverse(value), *ends, site

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit
+from cg2raw.normal import CI95
 from cg2raw.statistics.constant import (
     PARTS,
     SMOOTH,
@@ -61,7 +61,7 @@ def flicker(fit: Fit) -> Iterator[tuple[str, float, float, float]]:
     step = STEP / count
     bent = 2 * own - squares(frequency + step) - squares(frequency - step)
     error = float(np.sqrt(2 * noise / max(bent, 1e-300))) * step / frequency**2
-    period, half = 1 / frequency, NORMAL * error
+    period, half = 1 / frequency, CI95 * error
     within, of_within = _in_scatter(fit, frequency)
     wave = _wave(frequency, count)
     between = max(own - 2 * noise, 0.0) / float((wave**2).sum())
@@ -70,7 +70,7 @@ def flicker(fit: Fit) -> Iterator[tuple[str, float, float, float]]:
     square = (within * again[0] + 2 * between) / again[1]
     # Waves of chance phases sum up to the root of their number, more or less.
     chance = float(np.hypot(of_within, square / again[1]))
-    ends = square - NORMAL * chance, square, square + NORMAL * chance
+    ends = square - CI95 * chance, square, square + CI95 * chance
     low, amplitude, high = (float(np.sqrt(max(x, 0.0))) for x in ends)
     yield "amplitude", amplitude, low, high
     yield "period", period, max(period - half, SHORTEST), period + half

@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 
 from cg2raw.model.dark_levels import LEVELS, DarkLevels
 from cg2raw.model.evaluation import Parameters
-from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit, Prior, gain_of
 from cg2raw.model.lags import Blended, Lags, lag_gains
 from cg2raw.model.shapes import Shapes
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.model.shapes.random_telegraph_noise import NAME as JUMPS
 from cg2raw.model.values import LOGARITHMS
+from cg2raw.normal import CI95
 from cg2raw.statistics.constant import Array
 
 # Names and their parameters; of those that each part has, their beginning.
@@ -163,7 +163,7 @@ def selection(
                 validation.theta[places["read_noise"]].mean(),
                 shapes.most[1][0],
             )
-            seen = float(kept) * (shapes.whole[0] + NORMAL * shapes.whole[1])
+            seen = float(kept) * (shapes.whole[0] + CI95 * shapes.whole[1])
             of_most = shapes.read_noise(variance, shapes.most)
             total = seen + max(seen - most, 0.0)
             nothing = 0.0 if most < variance < total else np.inf

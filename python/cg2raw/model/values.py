@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cg2raw.model.figures import NORMAL, figures_of
+from cg2raw.model.figures import figures_of
 from cg2raw.model.fit import Fit
 from cg2raw.model.shapes.base import Shape
+from cg2raw.normal import CI95
 from cg2raw.statistics.constant import Array, ConstantStatistics
 
 # Effects whose parameter is one of the figures; DN are shares of white.
@@ -73,12 +74,12 @@ def effect_values(
         if effect == "read_noise":
             value += float(np.log(whole[0]))
             error = float(np.hypot(error, whole[1] / whole[0]))
-        half = NORMAL * error
+        half = CI95 * error
         yield Value(effect, name, value, value - half, value + half)
     own = found.parameters.each("black_level")
     sites = np.ndindex(statistics.side, statistics.side)
     more = found.theta[own] - profile[own]
-    halves = NORMAL * np.sqrt(np.diagonal(found.covariance)[own])
+    halves = CI95 * np.sqrt(np.diagonal(found.covariance)[own])
     for (row, column), value, half in zip(sites, more, halves, strict=True):
         if np.isfinite(half):
             ends = (float(x) / white for x in (value, value - half, value + half))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.normal import robust_deviation
 from cg2raw.statistics.patterns import Lattice
 
 Image = NDArray[np.float32]
@@ -16,8 +17,6 @@ PITCHES = range(4, 65)  # px, as the registry bounds them
 FEWEST = 4  # pixels of a lattice
 MOST = 2048  # px along each side, of the middle of the frame, that tell the lattice
 CLIP = 4.0  # times the noise: more that one pixel differs says nothing of the others
-# Squared deviations of normal numbers up to their median, over their variance.
-MEDIAN_SQUARE = 0.4549
 
 
 def lattice_of(light: Image, side: int) -> Lattice | None:
@@ -64,7 +63,7 @@ def _beside_neighbours(light: Image, side: int) -> Image:
             continue
         for _ in range(2):  # second differences down, then across
             rest = (rest[1:-1] - (rest[2:] + rest[:-2]) / 2).T
-        noise = float(np.sqrt(np.median(rest**2) / MEDIAN_SQUARE))
+        noise = robust_deviation(rest, 0.0)
         if noise > 0:
             to = found[place[0] :: side, place[1] :: side]
             to[1:-1, 1:-1] = rest / noise

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from cg2raw.normal import robust_deviation
 from cg2raw.statistics.constant import SLOW, Array, polynomials
 from cg2raw.statistics.patterns import Spots, disc
 
@@ -31,7 +32,6 @@ MOST_FITTED = 2**12  # cells, by which what is smooth is fitted
 CLIP = 8.0  # times the noise of a cell
 ROUNDS = 6  # of finding spots without those found before
 OF_LARGEST = 0.5  # of the largest deviation: less may be a ring around another
-MAD = 1.4826  # standard deviations in a median of absolute deviations
 
 
 class Found(NamedTuple):
@@ -80,7 +80,7 @@ def spots_of(light: Image, side: int, left_out: NDArray[np.bool_]) -> Spots:
     # Where the rest of the frame is no white noise, spots must stand out of what it is.
     noises = np.array(
         [
-            max(1.0, MAD * float(np.median(np.abs(away[enough]))) / of_white)
+            max(1.0, robust_deviation(away[enough], 0.0) / of_white)
             if enough.any()
             else np.inf
             for (away, enough), of_white in zip(deviations, white, strict=True)
@@ -139,7 +139,7 @@ def _without_slow(
         some = np.where(unknown & ~unknown.all(axis=axis, keepdims=True), np.nan, rest)
         rest = rest - np.nanmedian(some, axis=axis, keepdims=True)
     plain = (weights if of_noise is None else of_noise) > 0
-    noise = MAD * float(np.median(np.abs(rest[plain]))) or 1.0
+    noise = robust_deviation(rest[plain], 0.0) or 1.0
     found: Array = np.clip(rest / noise, -CLIP, CLIP)
     return found
 

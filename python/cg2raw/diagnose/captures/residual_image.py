@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from cg2raw.arrays import RawImage
 from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import Capture
+from cg2raw.normal import robust_deviation
 from cg2raw.sensor import Sensor
-from cg2raw.statistics.spots import MAD
 from cg2raw.statistics.temperature import set_points
 
 Means = NDArray[np.float32]
@@ -176,7 +176,7 @@ def _best(
     """Return the picture that a dark has most of, beyond the mean of @count others,
     whose sum is given; nothing where that is too little to move anything."""
     away = _alone(dark - others / np.float32(count))
-    scale = MAD * float(np.median(np.abs(away)))
+    scale = robust_deviation(away, 0.0)
     away = np.clip(away, -CUT * scale, CUT * scale)
     noise = scale / math.sqrt(1 + 1 / count)
     best = _Best()

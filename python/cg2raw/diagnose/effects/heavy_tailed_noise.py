@@ -12,9 +12,8 @@ from cg2raw.diagnose.effects.base import (
     Values,
 )
 from cg2raw.diagnose.effects.registry import draw_noise_by
+from cg2raw.normal import TUKEY_LAMBDA
 from cg2raw.sensor import Sensor
-
-NORMAL_LAMBDA = 0.14  # Tukey's lambda that is nearest to a normal
 
 
 class HeavyTailedNoise(Effect):
@@ -41,7 +40,7 @@ class HeavyTailedNoise(Effect):
     def change_noise_table(self, profile: dict[str, Any], values: Values) -> bool:
         draw_noise_by(profile, self.name, "read_noise")
         for row in profile.get("noise", []):
-            row["tukey_lambda"] = NORMAL_LAMBDA
+            row["tukey_lambda"] = TUKEY_LAMBDA
             row["row_sigma"] = 0.0
             row["outlier_fraction"] = float(values[0])
             row["outlier_variance_ratio"] = float(values[1])

@@ -17,12 +17,12 @@ from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.frames.tiling import Array, Mask, Tiling
 from cg2raw.sensor import Sensor
+from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.temperature import DOUBLING
 
 # Pixels along the edges of a frame that are left out: what lies beyond an image
 # is not known; beyond a uniform frame it is, but for filters of the file.
 BORDER, UNIFORM_BORDER = 8, 4
-ROUNDING = 1 / 12  # variance of whole numbers, DN^2
 
 
 @dataclass(frozen=True)

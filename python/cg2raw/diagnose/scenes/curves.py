@@ -13,6 +13,7 @@ from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.predict import predict
+from cg2raw.normal import CI95
 
 
 def curves_of(
@@ -84,7 +85,7 @@ def _photon_transfer(
         weight += np.bincount(chosen, minlength=count + 1)
     seen = weight > 200
     x, y = level[seen] / weight[seen], expected[seen] / weight[seen]
-    half = 1.96 * y * np.sqrt(2 / weight[seen])
+    half = CI95 * y * np.sqrt(2 / weight[seen])
     return Curve(
         "Photon transfer",
         "level, 1 is white",

@@ -13,11 +13,11 @@ from cg2raw.diagnose.scenes.gram import Array
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.point import Point
 from cg2raw.diagnose.scenes.predict import photon_gain
+from cg2raw.normal import MAD
 
 ROUNDS = 6
 FARTHEST = 16.0  # variances; squares beyond are those of defects
 LEAST_FACTOR = 1e-3
-MEDIAN_SQUARE = 0.455  # of a standard normal number
 MOST_SHIFT, MOST_TEXTURE = 0.5, 0.1  # px; relative
 
 
@@ -73,7 +73,7 @@ def excess_of(
     # From the median of what is in proportion to light, which few defects move.
     lit = parts[1] > 0
     more = np.maximum(square - noise, 0)[lit] / parts[1][lit]
-    start = float(np.median(more)) / MEDIAN_SQUARE if lit.any() else 0.0
+    start = MAD**2 * float(np.median(more)) if lit.any() else 0.0
     found = np.array([0.0, min(start, MOST_TEXTURE**2)])
     for _ in range(ROUNDS):
         expected = noise + found @ parts
@@ -96,7 +96,7 @@ def patch_deviation(points: Sequence[Point], residuals: Sequence[Array]) -> floa
         lit = precision > 0
         error = np.bincount(labels, weight * residual[used])[lit] / precision[lit]
         squares.append(np.maximum(error**2 - 1 / precision[lit], 0))
-    found = np.sqrt(np.median(np.concatenate(squares)) / MEDIAN_SQUARE)
+    found = MAD * np.sqrt(np.median(np.concatenate(squares)))
     return float(min(found, MOST_TEXTURE))
 
 

@@ -14,6 +14,7 @@ from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE, NoiseModel
+from cg2raw.normal import robust_deviation
 from cg2raw.sensor import Sensor
 
 MOST_OF_A_KIND = 6  # captures
@@ -145,7 +146,7 @@ def _levels_and_variances(
         if len(chosen) < FEWEST_PER_LEVEL or at_zero[chosen].mean() > MOST_CLIPPED:
             continue
         alike = chosen[unlike[chosen] <= np.median(unlike[chosen])]
-        spread = np.median(np.abs(second[alike])) / 0.6745
+        spread = robust_deviation(second[alike], 0.0)
         # Of the DN's step: it was rounded, then spread.
         variance = spread**2 / 1.5 - one_dn**2 / 6
         yield level[alike].mean(), max(variance, 1e-12), len(alike)
@@ -158,8 +159,9 @@ def _edges(level: NDArray[np.float64], second: NDArray[np.float64]) -> list[floa
     bins = np.digitize(level, every[1:-1])
     edges, last = [], every[0]
     for one, edge in enumerate(every[1:-1]):
-        size = np.median(np.abs(second[bins == one])) if (bins == one).any() else 0.0
-        wide = WIDEST_NOISE * size / 0.6745 / np.sqrt(1.5 * 3)
+        here = second[bins == one]
+        noise = robust_deviation(here, 0.0) if here.size else 0.0
+        wide = WIDEST_NOISE * noise / np.sqrt(1.5 * 3)
         if edge - last > wide and every[-1] - edge > wide:
             edges.append(float(edge))
             last = edge

@@ -23,7 +23,7 @@ from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
-from cg2raw.model.figures import NORMAL
+from cg2raw.normal import CI95
 from cg2raw.sensor import Sensor
 
 FREE = 1.0  # relative deviation of light that nobody measured
@@ -125,7 +125,7 @@ def known_effects(sensor: Sensor) -> dict[Effect, Array]:
         if one.predicted and set(one.parameters) <= set(ends):
             low, high = np.array([ends[name] for name in one.parameters]).T
             if (high > low).all():
-                found[one] = (high - low) / 2 / NORMAL
+                found[one] = (high - low) / 2 / CI95
     return found
 
 

@@ -19,7 +19,6 @@ from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
 from cg2raw.model.amplifier_mismatch import unit_step
 from cg2raw.model.components import FIXED
 from cg2raw.model.dark_law import fitted
-from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit
 from cg2raw.model.flat_levels import CHANGES
 from cg2raw.model.lags import NAMES as SHARED
@@ -28,6 +27,7 @@ from cg2raw.model.profile_values import profile_lags
 from cg2raw.model.selection import NAMES
 from cg2raw.model.shapes.base import Shown
 from cg2raw.model.shapes.heavy_tailed_noise import EDGES, tails_of
+from cg2raw.normal import CI95
 from cg2raw.statistics.constant import (
     LAGS,
     PARTS,
@@ -224,7 +224,7 @@ def _drift(finding: Finding, found: DarksAndFlats, fits: Sequence[Fit]) -> Chart
         noise = fit.likelihood.levels.noise[0]
         for g in statistics.shortest_darks():
             levels = np.mean([one.plane.levels[g] for one in planes], axis=0)
-            ends = (NORMAL * np.sqrt(v) for v in (noise[g], noise[g] + variance))
+            ends = (CI95 * np.sqrt(v) for v in (noise[g], noise[g] + variance))
             bands = tuple(ends)
             for frame, away in zip(
                 statistics.groups[g].frames, levels - levels.mean(), strict=True

@@ -42,12 +42,12 @@ from cg2raw.diagnose.verdict.unexplained import (
 from cg2raw.diagnose.verdict.values import values_of
 from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
 from cg2raw.model.components import FREE
-from cg2raw.model.figures import NORMAL
 from cg2raw.model.fit import Fit, refitted
 from cg2raw.model.flat_levels import CHANGES
 from cg2raw.model.likelihood import Likelihood, misfits
 from cg2raw.model.selection import NAMES
 from cg2raw.model.values import LOGARITHMS
+from cg2raw.normal import CI95
 from cg2raw.statistics.constant import ConstantStatistics
 
 FILTER = "noise_reduction"
@@ -237,7 +237,7 @@ def _gap(
         gained += each[1] - each[0]
     after = (squares[1] - freedom) / 2
     chi_square = squares / freedom
-    half = NORMAL * math.sqrt(freedom / 2)  # by the chance of chi-square
+    half = CI95 * math.sqrt(freedom / 2)  # by the chance of chi-square
     gap = Gap(
         float((after + gained) / samples),
         float(after / samples),

@@ -35,8 +35,8 @@ from cg2raw.diagnose.verdict.findings import (
 )
 from cg2raw.diagnose.verdict.profile import updated_profile
 from cg2raw.diagnose.verdict.unexplained import chi_square_test, left_over
-from cg2raw.model.figures import NORMAL
 from cg2raw.model.flicker import NAME as FLICKER
+from cg2raw.normal import CI95
 
 STRENGTHS = np.geomspace(1e-4, 1.0, 81)  # of effects without derivatives
 
@@ -123,7 +123,7 @@ def _estimates(
         name: Estimate(
             float(value),
             units[name],
-            (float(value - NORMAL * error), float(value + NORMAL * error)),
+            (float(value - CI95 * error), float(value + CI95 * error)),
         )
         for name, value, error in zip(names, values, errors, strict=True)
     }
@@ -184,7 +184,7 @@ def _gap(found: Scenes) -> Gap:
     squares = gram.squares + found.of_flicker, gram.squares - 2 * gram.gain(found.theta)
     chi_squares = squares[0] / n, squares[1] / n
     before, after = ((one - 1) / 2 for one in chi_squares)
-    half = NORMAL * math.sqrt(0.5 / n)
+    half = CI95 * math.sqrt(0.5 / n)
     return Gap(
         before,
         after,

@@ -11,8 +11,8 @@ from cg2raw.diagnose.darks_and_flats import VALIDATION, DarksAndFlats
 from cg2raw.diagnose.diagnosis import DetectionLimit
 from cg2raw.diagnose.effects.registry import registered
 from cg2raw.diagnose.verdict.values import limits_of_levels, of_amplifiers
-from cg2raw.model.figures import NORMAL
 from cg2raw.model.values import Value, effect_values
+from cg2raw.normal import CI95
 
 
 def detection_limits(
@@ -49,5 +49,5 @@ def _error_of(one: Value) -> float:
     """Return the standard error of a value; of a deviation that of its variance, which
     is what frames show."""
     if one.parameter == "sigma":
-        return (one.high**2 - max(one.low, 0.0) ** 2) / 2 / NORMAL
-    return (one.high - one.low) / 2 / NORMAL
+        return (one.high**2 - max(one.low, 0.0) ** 2) / 2 / CI95
+    return (one.high - one.low) / 2 / CI95

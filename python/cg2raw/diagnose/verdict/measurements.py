@@ -13,12 +13,12 @@ from cg2raw.calibration.calibration import Calibration
 from cg2raw.calibration.darks import DarkResults, read_darks
 from cg2raw.calibration.fitting import Fitted, lost_of, with_levels
 from cg2raw.calibration.flats import Light, light_of
-from cg2raw.calibration.frames import SAME_LEVEL
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import sites_of
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.darks_and_flats import DarksAndFlats, of_splits
 from cg2raw.model.figures import Figure, figures_of
+from cg2raw.model.fit import SAME_LIGHT
 from cg2raw.statistics.dark_rates import dark_rates
 from cg2raw.statistics.frame_statistics import MOST_CUT
 
@@ -76,6 +76,6 @@ def _light(seen: Seen, black: NDArray[np.float64], darks: DarkResults) -> Light 
     flats = range(len(seen.darks), len(seen.statistics.groups))
     levels = {n: float(seen.levels(n).mean() - black.mean()) for n in flats}
     levels = {n: x for n, x in levels.items() if seen.clipped(n) <= MOST_CUT}
-    least = max(levels.values(), default=0.0) / (1 + SAME_LEVEL)
+    least = max(levels.values(), default=0.0) / (1 + SAME_LIGHT)
     brightest = [n for n, level in levels.items() if level >= least > 0]
     return light_of(seen, brightest, black, darks)[0] if brightest else None

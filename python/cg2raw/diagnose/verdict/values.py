@@ -25,7 +25,6 @@ from cg2raw.diagnose.verdict.profile import OF_SENSOR
 from cg2raw.model import flicker
 from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
 from cg2raw.model.amplifier_mismatch import AmplifierMismatch, unit_of
-from cg2raw.model.figures import NORMAL
 from cg2raw.model.flat_levels import CHANGES
 from cg2raw.model.full_well import NAME as WELL
 from cg2raw.model.lags import (
@@ -38,6 +37,7 @@ from cg2raw.model.lags import (
 )
 from cg2raw.model.profile_values import LINES, PIXELS, profile_lags
 from cg2raw.model.values import LOGARITHMS, Value
+from cg2raw.normal import CI95
 from cg2raw.statistics.constant import Array
 
 # Parameters of effects of levels, and the share of a value that each has: of crosstalk
@@ -83,7 +83,7 @@ def _of_well(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
         white = sensor.signal_range
         stated = (listed_parameters(sensor, WELL) or {}).get("below_white", 0.0)
         value = 1 - stated - found.well.level / white
-        half = NORMAL * found.well.error / white
+        half = CI95 * found.well.error / white
         yield Value(WELL, "below_white", value, value - half, value + half)
 
 
@@ -94,7 +94,7 @@ def of_amplifiers(
     registry."""
     white = found.captures.sensor.signal_range
     for parameter, (value, error) in steps.items():
-        numbers = value + error * np.array([0, -NORMAL, NORMAL])
+        numbers = value + error * np.array([0, -CI95, CI95])
         yield Value(
             MISMATCH, parameter, *map(float, numbers / unit_of(parameter, white))
         )
@@ -116,13 +116,13 @@ def _withheld(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
         if name not in named or name in told:
             continue
         square, error = found.both.of(name)
-        ends = (square, square - NORMAL * error, square + NORMAL * error)
+        ends = (square, square - CI95 * error, square + CI95 * error)
         scale = 1.0 if name == "prnu" else white
         value, low, high = (float(np.sqrt(max(x, 0.0))) / scale for x in ends)
         yield Value(name, "sigma", value, low, high)
     if "dark_current" in named and "dark_current" not in told:
         rate, error = found.both.of("dark_current")
-        ends = (rate, rate - NORMAL * error, rate + NORMAL * error)
+        ends = (rate, rate - CI95 * error, rate + CI95 * error)
         yield Value("dark_current", "per_second", *(x / white for x in ends))
 
 
@@ -135,7 +135,7 @@ def limits_of_levels(found: DarksAndFlats) -> Iterator[Value]:
     for name in levels.names:
         nothing = np.zeros(CHANGES[name][0])
         error = float(np.sqrt(levels.covariance_of([name], nothing)[0, 0]))
-        half = NORMAL * error * OF_LEVELS[name][0][2]
+        half = CI95 * error * OF_LEVELS[name][0][2]
         yield Value(name, OF_LEVELS[name][0][0], 0.0, -half, half)
 
 
@@ -176,7 +176,7 @@ def _moved(one: Value, numbers: Array, error: float) -> Value:
     """Return a value with other (value, low, high), and another standard error added
     to theirs."""
     value = float(numbers[0])
-    low, high = (float(np.hypot(end - value, NORMAL * error)) for end in numbers[1:])
+    low, high = (float(np.hypot(end - value, CI95 * error)) for end in numbers[1:])
     return Value(one.effect, one.parameter, value, value - low, value + high)
 
 
@@ -192,7 +192,7 @@ def _of_levels(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
     for name in names:
         for parameter, at, share in OF_LEVELS[name]:
             value = share * float(values[first + at])
-            half = share * NORMAL * float(errors[first + at])
+            half = share * CI95 * float(errors[first + at])
             yield Value(name, parameter, value, value - half, value + half)
         first += CHANGES[name][0]
 
@@ -222,7 +222,7 @@ def _of_shapes(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
         away = [each.get((name, parameter), one).value - one.value for each in moved]
         stated = listed_parameters(measured.sensor, name) or {}
         before = 0.0 if name in OF_SENSOR else stated.get(parameter, 0.0)
-        half = NORMAL * math.hypot(one.standard_error, *away)
+        half = CI95 * math.hypot(one.standard_error, *away)
         value = one.value - before
         yield Value(name, parameter, value, value - half, value + half)
 

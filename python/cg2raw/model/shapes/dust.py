@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import gammaincinv, stdtrit
 
-from cg2raw.model.figures import NORMAL, Figure
+from cg2raw.model.figures import Figure
 from cg2raw.model.shapes.base import Shape, Shown
 from cg2raw.model.shapes.light_patterns import (
     Excess,
@@ -17,6 +17,7 @@ from cg2raw.model.shapes.light_patterns import (
     frame_shape,
     nats_of,
 )
+from cg2raw.normal import CI95
 from cg2raw.statistics.constant import Array
 
 NAME = "dust"
@@ -136,7 +137,7 @@ def _fitted(excess: Excess, place: Array) -> Spot | None:
     inverse = np.linalg.pinv(found.jac.T @ found.jac)
     errors = np.sqrt(np.maximum(np.diagonal(inverse), 0.0))
     freedom = len(root) - len(start)
-    chance = NORMAL * float(np.sqrt(2 * freedom))
+    chance = CI95 * float(np.sqrt(2 * freedom))
     return Spot(found.x, errors, 2 * float(found.cost) - freedom - chance)
 
 

@@ -10,10 +10,11 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import erf, erfc, erfinv, expit, logit
 
-from cg2raw.model.figures import NORMAL, Figure
+from cg2raw.model.figures import Figure
 from cg2raw.model.recorded import FEW_CODES, differences
 from cg2raw.model.shapes.base import Shape, Shown, points_of
 from cg2raw.model.shapes.random_telegraph_noise import nats_beside_jumps
+from cg2raw.normal import CI95
 from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import BINS_PER_SIGMA, PIXEL, Array
 
@@ -143,12 +144,12 @@ def heavy_tailed_noise(shown: Shown) -> Shape | None:
     nats = min(nats, nats_beside_jumps(shown))
     numbers, variances = trained, np.diagonal(first.covariance(trained))
     errors = np.sqrt(np.where(variances > 0, variances, np.nan))
-    three = numbers - NORMAL * errors, numbers, numbers + NORMAL * errors
+    three = numbers - CI95 * errors, numbers, numbers + CI95 * errors
     figures = []
     for n, name, value_of in ((1, "fraction", expit), (2, "variance_ratio", np.exp)):
         with np.errstate(over="ignore"):  # an end that is not known is infinite
             low, value, high = (float(value_of(x[n])) for x in three)
-        error = (high - low) / 2 / NORMAL
+        error = (high - low) / 2 / CI95
         figures.append(Figure(name, "1", value, error, low, high))
     return Shape(NAME, nats, tuple(figures))
 

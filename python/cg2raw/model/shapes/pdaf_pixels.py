@@ -7,7 +7,7 @@ import numpy as np
 from cg2raw.model.figures import Figure
 from cg2raw.model.shapes.base import Shape, Shown
 from cg2raw.model.shapes.light_patterns import Excess, excesses_of, frame_shape, nats_of
-from cg2raw.statistics.spots import MAD
+from cg2raw.normal import robust_deviation
 
 NAME = "pdaf_pixels"
 FAR = 4.0  # standard deviations from the median, of a pixel that is none of the others
@@ -39,8 +39,8 @@ def _mean(excess: Excess) -> tuple[float, float]:
     """Return the mean without pixels that differ from the others, and its standard
     error, by how those left differ if that is more than noise."""
     middle = float(np.median(excess.values))
-    away = np.abs(excess.values - middle)
-    kept = excess.where(away <= FAR * max(MAD * float(np.median(away)), 1e-12))
+    most = FAR * max(robust_deviation(excess.values), 1e-12)
+    kept = excess.where(np.abs(excess.values - middle) <= most)
     mean, error = kept.times(np.ones(len(kept.values)))
     spread = float(kept.values.std()) / np.sqrt(max(len(kept.values) - 1, 1))
     return mean, max(error, spread)

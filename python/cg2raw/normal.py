@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""What is known of normal numbers, and their spread where some are none."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+CI95 = 1.959964  # standard errors to each side that hold 95 %
+MAD = 1.4826  # standard deviations in a median of absolute deviations
+TUKEY_LAMBDA = 0.14  # of the distribution of Tukey's that is nearest to a normal one
+
+
+def robust_deviation(
+    values: NDArray[np.floating], middle: float | None = None
+) -> float:
+    """Return the standard deviation, by the median of absolute deviations.
+
+    values : any shape, one at least. middle : what they deviate from, their median if
+    None."""
+    if middle is None:
+        middle = float(np.median(values))
+    return MAD * float(np.median(np.abs(values - middle)))
