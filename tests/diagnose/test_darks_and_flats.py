@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.captures.reader import in_groups
-from cg2raw.diagnose.darks_and_flats import darks_and_flats, is_constant
+from cg2raw.diagnose.darks_and_flats import darks_and_flats
 from cg2raw.diagnose.effects.catalogue import names, of_images
 from cg2raw.diagnose.effects.registry import stated_by
 from cg2raw.diagnose.verdict.values import values_of
@@ -191,7 +191,7 @@ def test_a_band_that_a_mask_leaves_out_is_no_noise(rows):
     band = rows, slice(None)
 
     def masked(captures):
-        return [spoiled(c, *band) for c in captures if is_constant(c)]
+        return [spoiled(c, *band) for c in captures if c.is_uniform]
 
     made = found({}, changed=masked)
     assert (list(made.names), made.unexplained, list(made.notes)) == ([], [], [])
@@ -240,7 +240,7 @@ def test_a_dark_with_a_residual_image_is_left_out():
         ]
 
     made = found({}, changed=lagging)
-    assert list(made.names) == [] and len(made.spoiled) == 3
+    assert list(made.names) == [] and len(made.frames.spoiled) == 3
     for group, note in zip(("fit", "select", "report"), made.notes, strict=True):
         start = f"{group}_dark_0: has a residual image of {group}_scene_"
         assert note.startswith(start) and note.endswith("% of its light: left out.")
@@ -301,7 +301,7 @@ def test_single_frames_are_divided_by_columns(strengths):
 
     def single(captures):
         first = {}
-        for one in filter(is_constant, captures):
+        for one in (c for c in captures if c.is_uniform):
             light = tuple(one.scene()) if one.shows.light else ()
             first.setdefault((one.kind, one.exposure_time, light), one)
         each = (in_groups(spoiled(one, *some), None) for one in first.values())
@@ -323,4 +323,4 @@ def test_values_are_in_units_of_the_registry(with_dead_lines):
 
 def test_scenes_alone_are_refused():
     with pytest.raises(ValueError, match="captures: no darks or flats"):
-        found({}, changed=lambda every: [c for c in every if not is_constant(c)])
+        found({}, changed=lambda every: [c for c in every if not c.is_uniform])

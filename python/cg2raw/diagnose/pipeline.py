@@ -12,7 +12,7 @@ import numpy as np
 
 from cg2raw.blas_threads import one_blas_thread
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.darks_and_flats import darks_and_flats, is_constant
+from cg2raw.diagnose.darks_and_flats import darks_and_flats
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
 from cg2raw.diagnose.effects.catalogue import candidates, of_images
 from cg2raw.diagnose.frames.reader import read_frames
@@ -81,7 +81,7 @@ def diagnose(
     def said_of_images(text: str, share: float) -> None:
         say(text, OF_DARKS + (1 - OF_DARKS) * share if constant else share)
 
-    constant = [c for c in capture_set.captures if is_constant(c)]
+    constant = [c for c in capture_set.captures if c.is_uniform]
     if statistics and not constant:
         raise ValueError(f"{statistics}: statistics are of darks and flats: none here")
     is_all = len(constant) == len(capture_set.captures)
@@ -109,7 +109,9 @@ def diagnose(
             say("done", 1.0)
             return _finished(found, names - shown, capture_set, started)
         if found:
-            images = with_images_alone(capture_set, found, seen.masked, seen.looked_at)
+            images = with_images_alone(
+                capture_set, found, seen.frames.masked, seen.frames.looked_at
+            )
             asked -= shown - lit
     workers = Workers(threads, deadline)
     second = _of_images(

@@ -11,7 +11,7 @@ import json
 import math
 import os
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cache, cached_property
 from io import BytesIO
@@ -300,6 +300,11 @@ class ConstantStatistics:
             h, w = plane.masked.shape
             found[row : side * h : side, column : side * w : side] = plane.masked
         return found
+
+    def of_splits(self, splits: Collection[str]) -> "ConstantStatistics":
+        """Return the statistics of the groups of splits."""
+        groups = enumerate(self.groups)
+        return self.only([n for n, group in groups if group.split in splits])
 
     def only(self, numbers: Sequence[int]) -> "ConstantStatistics":
         """Return the statistics of some of the groups."""

@@ -11,7 +11,6 @@ import pytest
 
 from cg2raw import Sensor
 from cg2raw.diagnose import darks_and_flats
-from cg2raw.diagnose.darks_and_flats import is_constant
 from cg2raw.diagnose.effects.registry import stated_by
 from cg2raw.diagnose.pipeline import diagnose
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
@@ -28,7 +27,7 @@ WHITE = SENSOR.signal_range
 def captures_of(seed=3, sensor=SENSOR, changed=lambda capture: capture, **strengths):
     hidden = draw_hidden(sensor, strengths, seed=seed)
     made = simulate_captures(sensor, hidden, seed=seed, twice=True)
-    kept = [changed(c) for c in made.captures if is_constant(c)]
+    kept = [changed(c) for c in made.captures if c.is_uniform]
     return replace(made, captures=kept)
 
 

@@ -109,6 +109,11 @@ class Capture:
         return KINDS[self.kind]
 
     @property
+    def is_uniform(self) -> bool:
+        """Whether it is a dark or a flat."""
+        return self.kind in ("dark", "flat")
+
+    @property
     def has_known_light(self) -> bool:
         """Whether what was in front of the lens is known."""
         return self.scene is not None or self.shows.image

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cg2raw.calibration.sites import sites_of
 from cg2raw.diagnose.captures.splits import GROUPS
-from cg2raw.diagnose.darks_and_flats import TEST, DarksAndFlats, of_splits
+from cg2raw.diagnose.darks_and_flats import TEST, DarksAndFlats
 from cg2raw.diagnose.diagnosis import Chart, Finding, Series
 from cg2raw.diagnose.verdict.unexplained import PLACES, described
 from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
@@ -300,10 +300,10 @@ def _lags(
     chosen: Mapping[str, Finding],
 ) -> Chart | None:
     """Return correlations of noise with that of neighbours."""
-    both = of_splits(found.statistics, GROUPS[:2])
+    both = found.statistics.of_splits(GROUPS[:2])
     null = profile_lags(found.captures.sensor)
     trained = lags_of(both, model, found.profile, null=null)
-    lags = lags_of(found.of_split(TEST), test, found.profile, null=null)
+    lags = lags_of(found.statistics.of_splits([TEST]), test, found.profile, null=null)
     if trained is None or lags is None:
         return None
     values, _ = trained.fitted_of(chosen)
@@ -330,7 +330,7 @@ def _flats(
     chosen: Mapping[str, Finding],
 ) -> Chart | None:
     """Return levels of flats over those that the profile predicts, of each site."""
-    both, last = (of_splits(found.statistics, s) for s in (GROUPS[:2], (TEST,)))
+    both, last = (found.statistics.of_splits(s) for s in (GROUPS[:2], [TEST]))
     trained = found.levels_of(both, model, chosen)
     levels = found.levels_of(last, test, chosen)
     if trained is None or levels is None:

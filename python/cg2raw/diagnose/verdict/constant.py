@@ -79,7 +79,7 @@ def diagnosis_of(
     captures = found.captures
     chosen = [] if is_judged else list(found.names)
     frames = _by_split(found.statistics)
-    test = found.of_split(TEST)
+    test = found.statistics.of_splits([TEST])
     samples = samples_of(test)
     shapes = untested(captures.sensor)
     fits = [_fit_of(found, [*some, *free, *shapes]) for some in ([], chosen)]
@@ -115,9 +115,9 @@ def diagnosis_of(
             findings if is_closed else [],
             told,
             noise_row(found),
-            mean_of_edge(findings, found.used[0].shape[1]),
+            mean_of_edge(findings, found.frames.captures[0].shape[1]),
         )
-        if is_closed or not found.has_noise
+        if is_closed or not found.frames.has_noise
         else "",
     )
 
@@ -145,12 +145,12 @@ def unfinished(captures: CaptureSet, *, interrupted: bool) -> Diagnosis:
 def noise_row(found: DarksAndFlats) -> dict[str, Any] | None:
     """Return a row of a noise table as the frames show it; None where the profile has
     one, of frames of no known ISO, and of darks with too little light of their own."""
-    iso = found.used[0].iso
+    iso = found.frames.captures[0].iso
     sensor, at = found.captures.sensor, found.both.parameters.of
     gains = found.both.parameters.each("gain")
     errors = np.sqrt(np.diagonal(found.both.covariance)[gains])
     is_known = (found.both.theta[gains] > GAIN_ERRORS * errors).all()
-    if found.has_noise or iso is None or not is_known:
+    if found.frames.has_noise or iso is None or not is_known:
         return None
     ranges = sensor.white_level - np.asarray(sensor.black_level, float)
     sites = np.arange(found.both.parameters.sites)
@@ -165,7 +165,7 @@ def _notes(found: DarksAndFlats) -> list[str]:
     if found.captures.nuisances:
         free = ", ".join(sorted(found.captures.nuisances))
         notes.append(f"Free nuisances, which are not effects: {free}.")
-    if not found.has_noise:
+    if not found.frames.has_noise:
         notes.append(
             "The profile has no noise at this ISO: its level was fitted to the "
             "captures, and is no finding."
@@ -243,7 +243,11 @@ def _gap(
         float(after / samples),
         float(chi_square[0]),
         float(chi_square[1]),
-        sorted(n for group in found.of_split(TEST).groups for n in group.frames),
+        sorted(
+            n
+            for group in found.statistics.of_splits([TEST]).groups
+            for n in group.frames
+        ),
         interval_after=(
             float((after - half) / samples),
             float((after + half) / samples),

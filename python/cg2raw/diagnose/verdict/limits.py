@@ -25,7 +25,7 @@ def detection_limits(
     strength s gains (s / error)^2 / 2 on average, and half a nat by chance."""
     sensor, selected = found.captures.sensor, found.selection
     white = sensor.signal_range
-    own = found.of_split(VALIDATION)
+    own = found.statistics.of_splits([VALIDATION])
     values = effect_values(own, selected.validation, found.profile, white)
     root = np.sqrt(2 * (found.least + 0.5))
     errors = found.amplifiers.errors.items()

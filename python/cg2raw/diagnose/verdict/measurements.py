@@ -16,7 +16,7 @@ from cg2raw.calibration.flats import Light, light_of
 from cg2raw.calibration.seen import Seen
 from cg2raw.calibration.sites import sites_of
 from cg2raw.diagnose.captures.splits import GROUPS
-from cg2raw.diagnose.darks_and_flats import DarksAndFlats, of_splits
+from cg2raw.diagnose.darks_and_flats import DarksAndFlats
 from cg2raw.model.figures import Figure, figures_of
 from cg2raw.model.fit import SAME_LIGHT
 from cg2raw.statistics.dark_rates import dark_rates
@@ -29,7 +29,7 @@ def measurements_of(found: DarksAndFlats, wanted: Collection[str]) -> Calibratio
     seen = _seen(found)
     lost, _ = lost_of(seen)
     fit = Fitted(_figures(found, wanted), lost=lost)
-    sensor, capture = found.captures.sensor, found.used[0]
+    sensor, capture = found.captures.sensor, found.frames.captures[0]
     measured = Calibration(
         sensor=sensor,
         sites=seen.sites,
@@ -49,7 +49,7 @@ def measurements_of(found: DarksAndFlats, wanted: Collection[str]) -> Calibratio
 def _figures(found: DarksAndFlats, wanted: Collection[str]) -> list[Figure]:
     """Return the figures of the fit, a black level that is wanted by the shortest darks
     alone."""
-    both = of_splits(found.statistics, GROUPS[:2])
+    both = found.statistics.of_splits(GROUPS[:2])
     figures, shortest = figures_of(both, found.both), both.shortest_darks()
     darks = sum(group.kind == "dark" for group in both.groups)
     if "black_level" in wanted and 0 < len(shortest) < darks:
@@ -59,7 +59,7 @@ def _figures(found: DarksAndFlats, wanted: Collection[str]) -> list[Figure]:
 
 def _seen(found: DarksAndFlats) -> Seen:
     """Return training and validation frames as one set of darks and flats."""
-    both = of_splits(found.as_taken, GROUPS[:2])
+    both = found.as_taken.of_splits(GROUPS[:2])
     order = sorted(
         range(len(both.groups)),
         key=lambda n: (both.groups[n].kind, both.groups[n].exposure_time or 0.0),

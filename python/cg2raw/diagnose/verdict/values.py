@@ -17,7 +17,6 @@ from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.darks_and_flats import (
     VALIDATION,
     DarksAndFlats,
-    of_splits,
 )
 from cg2raw.diagnose.effects.registry import listed_parameters
 from cg2raw.diagnose.verdict.measurements import measurements_of
@@ -78,12 +77,12 @@ def values_of(found: DarksAndFlats, named: Collection[str]) -> list[Value]:
 
 
 def _of_well(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
-    if found.well is not None and WELL in named:
+    if found.frames.well is not None and WELL in named:
         sensor = found.captures.sensor
         white = sensor.signal_range
         stated = (listed_parameters(sensor, WELL) or {}).get("below_white", 0.0)
-        value = 1 - stated - found.well.level / white
-        half = CI95 * found.well.error / white
+        value = 1 - stated - found.frames.well.level / white
+        half = CI95 * found.frames.well.error / white
         yield Value(WELL, "below_white", value, value - half, value + half)
 
 
@@ -128,7 +127,7 @@ def _withheld(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
 
 def limits_of_levels(found: DarksAndFlats) -> Iterator[Value]:
     """Yield parameters of what flats that decide show of light, each alone, at 0."""
-    own = found.of_split(VALIDATION)
+    own = found.statistics.of_splits([VALIDATION])
     levels = found.levels_of(own, found.selection.validation)
     if levels is None:
         return
@@ -146,7 +145,7 @@ def _before_reduction(
     reduction, named or stated, lowered them: frames have what it leaves, and so has the
     null that logarithms are over."""
     both, at = (
-        of_splits(found.statistics, GROUPS[:2]),
+        found.statistics.of_splits(GROUPS[:2]),
         profile_lags(found.captures.sensor),
     )
     over, lags = Blended(1.0, 0.0), lags_of(both, found.both, found.profile, null=at)
@@ -181,7 +180,7 @@ def _moved(one: Value, numbers: Array, error: float) -> Value:
 
 
 def _of_levels(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
-    both = of_splits(found.statistics, GROUPS[:2])
+    both = found.statistics.of_splits(GROUPS[:2])
     levels = found.levels_of(both, found.both, named)
     names = [name for name in CHANGES if name in named]
     if levels is None or not names:
@@ -199,7 +198,7 @@ def _of_levels(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
 
 def _of_shapes(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
     wanted = OF_SHAPES & set(named)
-    if not wanted or any(capture.divided for capture in found.used):
+    if not wanted or found.frames.are_divided:
         return
     measured = measurements_of(found, wanted)
     shapes = _shapes(measured, wanted)
