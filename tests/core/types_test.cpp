@@ -5,8 +5,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace cg2raw {
 namespace {
@@ -56,6 +62,31 @@ TEST(Error, CutsBetweenCharacters)
         while (text.size() <= Error::longest_message)
             text += character;
         EXPECT_EQ(message_of(message_of(text)).find('?'), std::string::npos);
+    }
+}
+
+/// IEEE 754 binary16: sign, 5 bits of exponent, 10 of fraction.
+float number_of(int half)
+{
+    const int exponent = half >> 10 & 31, fraction = half & 1023;
+    const double size = exponent == 31
+        ? std::numeric_limits<double>::infinity()
+        : std::ldexp(exponent ? 1024 + fraction : fraction, std::max(exponent, 1) - 25);
+    return float(half & 0x8000 ? -size : size);
+}
+
+TEST(FloatFromHalf, IsEachOfThem)
+{
+    std::vector<std::uint16_t> halves(65536);
+    std::iota(halves.begin(), halves.end(), std::uint16_t(0));
+    std::vector<float> floats(halves.size());
+    float_from_half(halves.data(), int(halves.size()), floats.data());
+    for (int half = 0; half < int(halves.size()); ++half) {
+        const float found = floats[std::size_t(half)];
+        if ((half & 0x7fff) > 0x7c00)
+            EXPECT_TRUE(std::isnan(found)) << half;
+        else
+            EXPECT_EQ(found, number_of(half)) << half;
     }
 }
 
