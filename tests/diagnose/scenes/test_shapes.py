@@ -30,9 +30,9 @@ def points(seed, level=None, kind="scene", count=4, **more):
     return points_of(frames)
 
 
-def points_of(frames):
+def points_of(frames, sensor=SENSOR):
     views = views_of(frames)
-    return [point_of(view, view.frame, Model(SENSOR), Excess()) for view in views]
+    return [point_of(view, view.frame, Model(sensor), Excess()) for view in views]
 
 
 @pytest.mark.parametrize("level", [0.35, 0.45])
@@ -48,25 +48,41 @@ def test_no_well_is_none():
     assert gain <= 0
 
 
-def counted(seed, is_counted):
-    """Return (points, residuals) of dim flats, drawn by Poisson's law or a normal."""
-    light = 0.003
-    captures = [capture_of("flat", n, level=light) for n in range(6)]
-    frames = drawn(frames_of(SENSOR, captures), Model(SENSOR), seed)
-    if is_counted:
-        rng = np.random.default_rng(seed)
-        for n, frame in enumerate(frames):
-            [point] = points_of([frame])
-            charge = rng.poisson(point.mean * FULL_WELL) / FULL_WELL
-            noise = READ * rng.standard_normal(charge.shape)
-            frames[n] = replace(frame, signal=charge + noise)
-    found = points_of(frames)
+def counted(seed, is_counted, dark_current=(), levels=6 * (0.003,)):
+    """Return (points, residuals) of dim flats, drawn by Poisson's law or a normal.
+
+    dark_current : (rate, log_sigma) by which pixels differ, the same in all frames."""
+    name = "dark_current_nonuniformity"
+    values = dict(zip(("rate", "log_sigma"), dark_current, strict=False))
+    sensor = sensor_of(effects={name: values} if values else None)
+    captures = [capture_of("flat", n, level=x) for n, x in enumerate(levels)]
+    frames, rng = frames_of(sensor, captures), np.random.default_rng(seed)
+    normal = rng.standard_normal(frames[0].signal.shape)
+    for n, frame in enumerate(frames):
+        own, light = 0.0, predict(Model(SENSOR), frame).mean
+        if values:
+            own = values["rate"] * np.expm1(values["log_sigma"] * normal)
+        if is_counted:
+            charge = rng.poisson(light * FULL_WELL) / FULL_WELL
+        else:
+            noise = np.sqrt(light / FULL_WELL)
+            charge = light + noise * rng.standard_normal(normal.shape)
+        read = READ * rng.standard_normal(normal.shape)
+        frames[n] = replace(frame, signal=charge + own + read)
+    found = points_of(frames, sensor)
     return found, [point.view.signal - point.mean for point in found]
 
 
 def test_photons_that_are_counted():
     assert photons(*counted(1, True)) > 10
     assert photons(*counted(1, False)) < -10
+
+
+def test_dark_current_that_differs_is_no_counted_light():
+    """It is as skewed, and the same in all frames; light of several levels is not."""
+    uneven = 1.2e-4, 1.0
+    assert photons(*counted(2, False, uneven)) < 0
+    assert photons(*counted(1, True, uneven, levels=0.001 * 2.0 ** np.arange(6))) > 5
 
 
 def test_photons_gain_what_is_expected_of_them():

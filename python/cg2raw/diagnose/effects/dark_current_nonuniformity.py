@@ -41,6 +41,13 @@ class DarkCurrentNonuniformity(FixedPattern):
         beyond_median = np.expm1(stated["log_sigma"] ** 2 / 2)
         return float(stated["rate"] * seconds * beyond_median)
 
+    def pattern_third_cumulant(
+        self, stated: Mapping[str, float], seconds: float
+    ) -> float:
+        square = stated["log_sigma"] ** 2
+        of_one = np.exp(1.5 * square) * np.expm1(square) ** 2 * (np.exp(square) + 2)
+        return float((stated["rate"] * seconds) ** 3 * of_one)
+
     def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
         rate = of_white(value_of(values, "rate"), sensor)
         spread = np.exp(value_of(values, "log_sigma"))

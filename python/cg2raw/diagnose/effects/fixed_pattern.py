@@ -32,6 +32,13 @@ class FixedPattern(Effect):
         """Return the mean of what it adds to pixels in an exposure time."""
         return 0.0
 
+    def pattern_third_cumulant(
+        self, stated: Mapping[str, float], seconds: float
+    ) -> float:
+        """Return the third cumulant of what it adds, of signals cubed: 0 of what is as
+        often above as below."""
+        return 0.0
+
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
         """With what the profile says, if it says anything."""
         stated = listed_parameters(sensor, self.name)

@@ -36,13 +36,21 @@ class PoissonShotNoise(Effect):
     step = 0.01
     signature = frozenset({"noise"})
 
-    def whitened(self, z: Array, p: Prediction) -> tuple[Array, Array]:
-        """Return (residuals (T, h, w) that are standard normal by Poisson's third and
-        fourth cumulants, log of their slope), by the Cornish-Fisher series."""
-        photons = np.maximum(p.exposed, 1e-12)
-        third = p.photon_variance**2 / photons
-        fourth = third * p.photon_variance / photons
-        skew = np.minimum(third / p.variance**1.5, 0.35)
+    def third_cumulant(self, p: Prediction) -> Array:
+        """Return that of light, by its photons."""
+        return p.photon_variance**2 / np.maximum(p.exposed, 1e-12)
+
+    def whitened(
+        self, z: Array, p: Prediction, is_counted: bool, more: float
+    ) -> tuple[Array, Array]:
+        """Return (residuals (T, h, w) that are standard normal by their third and
+        fourth cumulants, log of their slope), by the Cornish-Fisher series.
+
+        is_counted : whether light has those of Poisson's law, or none. more : third
+        cumulant of what does not depend on light."""
+        third = self.third_cumulant(p) * is_counted
+        fourth = third * p.photon_variance / np.maximum(p.exposed, 1e-12)
+        skew = np.clip((third + more) / p.variance**1.5, -0.35, 0.35)
         excess = np.minimum(fourth / p.variance**2, 0.12)
         c = np.clip(z, -FAR, FAR)
         square = c * c

@@ -14,13 +14,15 @@ class Prediction:
     """Mean and variance over frames of every pixel, (T, h, w), signal units.
 
     exposed : the mean before noise. photon_variance : of the light, by its photons.
-    well : what fills a full well; None without one."""
+    well : what fills a full well; None without one. pattern_third_cumulant : of fixed
+    patterns of pixels, of signals cubed."""
 
     mean: Array
     variance: Array
     exposed: Array
     photon_variance: Array
     well: Well | None = None
+    pattern_third_cumulant: float = 0.0
 
     @property
     def near_well(self) -> Mask | bool:

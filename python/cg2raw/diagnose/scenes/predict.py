@@ -3,7 +3,7 @@
 
 """predict(): what a model says of a frame, effects by the registry."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from operator import is_
 
 import numpy as np
@@ -85,7 +85,11 @@ def predict(model: Model, frame: Frame) -> Prediction:
     if frame.samples is not None:
         variance = _of_means(frame, variance, frame.samples)
         photon_variance = photon_variance / frame.samples
-    return Prediction(mean, variance, exposed, photon_variance, well)
+    third = sum(
+        effect.pattern_third_cumulant(stated, frame.seconds)
+        for effect, stated in patterns(model)
+    )
+    return Prediction(mean, variance, exposed, photon_variance, well, third)
 
 
 def pattern_variances(
@@ -94,21 +98,24 @@ def pattern_variances(
     """Return the variance of each fixed pattern that a profile states: no image says
     what each pixel has of it."""
     light = np.maximum(exposed, 0) * frame.capture.shows.light
-    found = {}
-    for name, stated in model.profile_parameters.items():
-        effect = every()[name]
-        if isinstance(effect, FixedPattern):
-            found[name] = effect.pattern_variance(stated, light, frame.seconds)
-    return found
+    return {
+        effect.name: effect.pattern_variance(stated, light, frame.seconds)
+        for effect, stated in patterns(model)
+    }
 
 
 def pattern_mean(model: Model, frame: Frame) -> float:
     """Return the mean of these patterns."""
     return sum(
-        effect.pattern_mean(stated, frame.seconds)
-        for name, stated in model.profile_parameters.items()
-        if isinstance(effect := every()[name], FixedPattern)
+        effect.pattern_mean(stated, frame.seconds) for effect, stated in patterns(model)
     )
+
+
+def patterns(model: Model) -> Iterator[tuple[FixedPattern, Mapping[str, float]]]:
+    """Yield the fixed patterns that a profile states, with their parameters."""
+    for name, stated in model.profile_parameters.items():
+        if isinstance(effect := every()[name], FixedPattern):
+            yield effect, stated
 
 
 def _known_by_registry(

@@ -6,14 +6,16 @@ counted. Each is judged by the density of single samples, on frames that did not
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 from scipy.special import log_ndtr, ndtr
 
 from cg2raw.diagnose.effects.poisson_shot_noise import EFFECT
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
+from cg2raw.diagnose.frames.prediction import Prediction
 from cg2raw.diagnose.scenes.gram import Array
 from cg2raw.diagnose.scenes.point import Point
 
@@ -106,15 +108,50 @@ def _gain(samples: tuple[Array, ...], level: float) -> float:
 def photons(points: Sequence[Point], left: Sequence[Array]) -> float:
     """Return nats that frames gain if their light is counted, by Poisson's law.
 
+    What pixels have of their own is skewed as well, by a law that is known to its size:
+    which of it the frames have is estimated, whether light is counted or not.
     left : (T, h, w), residuals of mean images without what nuisances take."""
     gained = 0.0
+    by_law: dict[float, list[tuple[Point, Array]]] = {}
     for point, mean in zip(points, left, strict=True):
+        law = point.prediction.pattern_third_cumulant
+        by_law.setdefault(law, []).append((point, mean))
+    for law, some in by_law.items():
+        own = _own_skews(some, law) if law else (0.0, 0.0)
+        for sign, is_counted, more in zip((1, -1), (True, False), own, strict=True):
+            if law:
+                gained -= sign * (more / law - 1) ** 2 / 2
+            for z, near, p in _deviations(some):
+                white, slope = EFFECT.whitened(z, p, is_counted, more)
+                gained += sign * float((slope - 0.5 * white**2)[near].sum())
+    return gained
+
+
+def _own_skews(some: Sequence[tuple[Point, Array]], law: float) -> tuple[float, float]:
+    """Return the likeliest third cumulants of what pixels have of their own, if light
+    is counted, and if not. law : of the law, from which it may be off by as much; the
+    likelihood is that of small skewness, to its square."""
+    of_all = of_light = squares = 0.0
+    for z, near, p in _deviations(some):
+        each = (p.variance**-1.5)[near]
+        of_all += float(each @ (z**3 - 3 * z)[near])
+        of_light += float(each @ (each * EFFECT.third_cumulant(p)[near]))
+        squares += float(each @ each)
+    known = squares / 6 + law**-2
+    return (
+        ((of_all - of_light) / 6 + 1 / law) / known,
+        (of_all / 6 + 1 / law) / known,
+    )
+
+
+def _deviations(
+    some: Sequence[tuple[Point, Array]],
+) -> Iterator[tuple[Array, NDArray[np.bool_], Prediction]]:
+    """Yield, of each frame, how far its samples are off in standard deviations, which
+    of them count, and what is predicted."""
+    for point, mean in some:
         p, used = point.prediction, point.root > 0
         spread = np.sqrt(p.variance)
         for frame in point.view.frames:
             z = (frame.signal - point.view.signal + mean) / spread
-            near = used & (np.abs(z) < TAIL)
-            white, slope = EFFECT.whitened(z, p)
-            nats = 0.5 * (z**2 - white**2) + slope
-            gained += float(nats[near].sum())
-    return gained
+            yield z, used & (np.abs(z) < TAIL), p

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+
+import numpy as np
+import pytest
+
+from cg2raw.diagnose.effects.catalogue import effect
+
+
+def test_moments_of_dark_current_that_differs_are_those_of_its_law():
+    uneven = effect("dark_current_nonuniformity")
+    stated, seconds = {"rate": 0.02, "log_sigma": 0.5}, 3.0
+    normal = np.random.default_rng(1).standard_normal(4_000_000)
+    charge = seconds * stated["rate"] * np.expm1(stated["log_sigma"] * normal)
+    away = charge - charge.mean()
+    moments = (
+        uneven.pattern_mean(stated, seconds),
+        uneven.pattern_variance(stated, np.zeros(1), seconds),
+        uneven.pattern_third_cumulant(stated, seconds),
+    )
+    measured = charge.mean(), (away**2).mean(), (away**3).mean()
+    assert moments == pytest.approx(measured, rel=0.02)
