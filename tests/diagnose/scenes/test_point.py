@@ -10,7 +10,6 @@ from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.nuisances import laplacian
 from cg2raw.diagnose.scenes.point import (
     Excess,
-    Offset,
     by_light,
     derivatives,
     mean_of,
@@ -121,6 +120,31 @@ def test_patterns_of_pixels_and_of_columns_are_shared():
     assert shared_of(a, at(sensor_of())) == 0
 
 
+def test_offsets_that_have_something_in_common_are_integrated_out_together():
+    """Rows, columns and the whole frame all have the mean: as a covariance of all."""
+    sigmas = {
+        "row_noise": 4e-3,
+        "column_fixed_pattern": 6e-3,
+        "black_level_drift": 1e-2,
+    }
+    point = at(sensor_of(effects={n: {"sigma": x} for n, x in sigmas.items()}))
+    used, every = point.root > 0, offsets_of(point)
+    assert {one.name for one in every} == {"rows", "frame", "columns"}
+    rng = np.random.default_rng(3)
+    a = np.concatenate([np.ones((1, used.sum())), rng.normal(size=(2, used.sum()))])
+    covariance = np.eye(used.sum())
+    for one in every:
+        label = one.labels[used]
+        alike = label[:, None] == label
+        covariance += (
+            one.sigma**2 * alike * np.outer(point.root[used], point.root[used])
+        )
+    solved = np.linalg.solve(covariance, a.T)
+    assert products_of(a, point) == pytest.approx(a @ solved, rel=1e-6)
+    left = [without_offsets(one, point) for one in a]
+    assert np.array(left).T == pytest.approx(solved, rel=1e-6, abs=1e-9)
+
+
 def test_offsets_of_rows_are_integrated_out():
     """As a covariance of all pixels of a row."""
     given = sensor_of(effects={"row_noise": {"sigma": 4e-3}})
@@ -142,4 +166,3 @@ def test_offsets_of_rows_are_integrated_out():
     [view] = views_of(frames)
     [of_mean] = offsets_of(point_of(view, frames[0], Model(given), Excess()))
     assert of_mean.sigma == pytest.approx(rows.sigma / 2)  # of four frames' mean
-    assert Offset("", rows.labels, 1.0, 2.0).of(used).tolist() == [2.0] * used.sum()

@@ -12,6 +12,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import maximum_filter
 
 from cg2raw.diagnose.effects.base import Effect
@@ -161,9 +163,6 @@ class Offset:
     sigma: float
     along: Array | float = 1.0
 
-    def of(self, used: Array) -> Array:
-        return np.broadcast_to(self.along, used.shape)[used]
-
 
 def offsets_of(point: Point) -> list[Offset]:
     """Return the offsets that the profile says a view has."""
@@ -188,15 +187,66 @@ def offsets_of(point: Point) -> list[Offset]:
     return [one for one in found if one.sigma > 0]
 
 
+@dataclass(frozen=True)
+class _Offsets:
+    """Those of the used samples of a view, of which any two may have something in
+    common, as rows and columns have the mean.
+
+    labels : (n,) of each, the group of a sample; own : (n,) what a sample has of it, in
+    standard deviations. parts : the places of each one's groups among all, which are G.
+    precision : (G, G) of them."""
+
+    offsets: Sequence[Offset]
+    labels: Sequence[NDArray[np.intp]]
+    own: Sequence[Array]
+    parts: Sequence[slice]
+    precision: Array
+
+    @classmethod
+    def of(cls, point: Point) -> "_Offsets":
+        used, offsets = point.root > 0, offsets_of(point)
+        labels, own, parts, end = [], [], [], 0
+        for one in offsets:
+            groups, label = np.unique(one.labels[used], return_inverse=True)
+            labels.append(label)
+            along = np.broadcast_to(one.along, used.shape)[used]
+            own.append(point.root[used] * along)
+            parts.append(slice(end, end := end + len(groups)))
+        precision = np.zeros((end, end))
+        for a, first in enumerate(parts):
+            for b, second in enumerate(parts):
+                block = precision[first, second]
+                shared = np.bincount(
+                    labels[a] * block.shape[1] + labels[b], own[a] * own[b], block.size
+                )
+                block += shared.reshape(block.shape)
+            precision[first, first] += np.eye(first.stop - first.start) / (
+                offsets[a].sigma ** 2
+            )
+        return cls(offsets, labels, own, parts, precision)
+
+    def along(self, rows: Array) -> Array:
+        """Return (K, G), what rows (K, n) have of each group."""
+        found = np.zeros((len(rows), len(self.precision)))
+        for label, own, part in zip(self.labels, self.own, self.parts, strict=True):
+            count = part.stop - part.start
+            found[:, part] = [np.bincount(label, row * own, count) for row in rows]
+        return found
+
+    def likeliest(self, along: Array) -> Array:
+        """Return (K, G), the offsets of most likelihood of what rows have of them."""
+        if not along.size:
+            return along
+        return np.asarray(cho_solve(cho_factor(self.precision), along.T).T)
+
+
 def products_of(rows: Array, point: Point) -> Array:
     """Return A A^T of the samples that are used, in which offsets are integrated out.
 
     rows : (K, n) of them."""
-    products = _summed(rows)
-    for offset in offsets_of(point):
-        along, precision = _along(rows, offset, point)
-        products -= (along / precision) @ along.T
-    return products
+    offsets = _Offsets.of(point)
+    along = offsets.along(rows)
+    return np.asarray(_summed(rows) - along @ offsets.likeliest(along).T)
 
 
 def shared_of(rows: Array, point: Point) -> Array | float:
@@ -210,11 +260,11 @@ def shared_of(rows: Array, point: Point) -> Array | float:
     found: Array | float = 0.0
     if share.any():
         found = _summed(rows, share)
-    for offset in offsets_of(point):
+    offsets = _Offsets.of(point)
+    for offset, part in zip(offsets.offsets, offsets.parts, strict=True):
         if offset.name == "columns":
-            along, precision = _along(rows, offset, point)
             # Of an offset that is integrated out, so much is left in a score.
-            left = along / (precision * offset.sigma)
+            left = offsets.likeliest(offsets.along(rows))[:, part] / offset.sigma
             found = found + left @ left.T
     return found
 
@@ -231,23 +281,14 @@ def _summed(rows: Array, weights: Array | None = None) -> Array:
     return products
 
 
-def _along(rows: Array, offset: Offset, point: Point) -> tuple[Array, Array]:
-    """Return (K, groups) what rows have of offsets, and their precision, (groups,)."""
-    used = point.root > 0
-    labels, own = offset.labels[used], point.root[used] * offset.of(used)
-    count = int(labels.max(initial=0)) + 1
-    along = np.array([np.bincount(labels, row * own, count) for row in rows])
-    return along, np.bincount(labels, own**2, count) + offset.sigma**-2.0
-
-
 def without_offsets(z: Array, point: Point) -> Array:
     """Return residuals (n,) of the used samples without their likeliest offsets."""
-    used = point.root > 0
-    root = point.root[used]
-    for offset in offsets_of(point):
-        labels, own = offset.labels[used], root * offset.of(used)
-        precision = np.bincount(labels, own**2) + offset.sigma**-2.0
-        z = z - own * (np.bincount(labels, z * own) / precision)[labels]
+    offsets = _Offsets.of(point)
+    [found] = offsets.likeliest(offsets.along(z[None]))
+    for label, own, part in zip(
+        offsets.labels, offsets.own, offsets.parts, strict=True
+    ):
+        z = z - own * found[part][label]
     return z
 
 
