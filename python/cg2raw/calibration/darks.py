@@ -31,7 +31,6 @@ from cg2raw.model.dark_law import (
     nats_of,
     quantile,
 )
-from cg2raw.model.shapes.hot_pixels import LAW
 from cg2raw.normal import CI95
 from cg2raw.statistics.constant import BINS_PER_SIGMA, DarkRates
 from cg2raw.statistics.dark_rates import slope_of
@@ -302,7 +301,7 @@ def dark_spread(rates: DarkRates, gain: float) -> DarkSpread:
     median, error = median_of(counts, shot)
     middle = quantile(counts, 0.5)
     return DarkSpread(
-        Measured(median * noise, math.hypot(error, LAW * median) * noise, "DN/s"),
+        Measured(median * noise, error * noise, "DN/s"),
         Measured(both.rate * noise, of_rate * noise, "DN/s"),
         Measured(both.log_sigma, of_sigma, "1"),
         Measured(both.fraction, of_share, "1"),

@@ -42,6 +42,10 @@ HOT_ERROR = 0.05
 NOTHING = np.zeros(5)
 FIXED = 1e6  # times as sure: first all else is found
 LEAST_NATS = 10.0  # of evidence for a law of two parameters
+# Of how far noise moves the median: by so much a log-normal law was seen to miss that
+# of inverse Gaussian rates, the other law of R. L. Baer, Proc. SPIE 6068, 2006.
+OTHER_LAW = 1 / 7
+AROUND = np.linspace(-0.5, 0.5, 101)  # noises about a median, which codes do not move
 
 
 @dataclass(frozen=True)
@@ -204,29 +208,46 @@ def _climbed(
 
 
 def median_of(counts: Array, shot: float = 0.0) -> tuple[float, float]:
-    """Return the law's median and its standard error, over the noise: 0 is what the
-    rates are counted from. Both are 0 where most pixels are not shown to differ.
+    """Return the median of the rates and its standard error, over the noise: 0 is what
+    they are counted from. Both are 0 where most pixels are not shown to differ.
 
-    Of a law that is narrower than noise log_sigma is hardly known, and by it the
-    median: then they are averaged over it, by likelihood."""
+    With noise, the median is measured; how far noise moves it is by the law, and known
+    to OTHER_LAW. Of a law that is narrower than noise log_sigma is hardly known, and by
+    it the median: then they are averaged over it, by likelihood."""
     even = fitted(counts, shot, uneven=False, hot=True)
     best = fitted(counts, shot, uneven=True, hot=True)
     if best.nats - even.nats < LEAST_NATS:
         return 0.0, 0.0
-    if best.errors[2] < KNOWN * best.log_sigma:
-        return best.shift, float(best.errors[0])
-    free = np.array([True, True, False, best.fraction > 0, best.fraction > 0])
-    laws, same_spread = [], np.array([0, 1, -1, 0, 0])
-    for log_sigma in LOG_SIGMAS:  # of the spread the tail says how much is skew
-        again = best.numbers + np.log(best.log_sigma / log_sigma) * same_spread
-        laws.append(_climbed(counts, again, free, shot))
+    laws = [best]
+    if best.errors[2] >= KNOWN * best.log_sigma:
+        free = np.array([True, True, False, best.fraction > 0, best.fraction > 0])
+        same_spread = np.array([0, 1, -1, 0, 0])
+        laws = []
+        for log_sigma in LOG_SIGMAS:  # of the spread the tail says how much is skew
+            again = best.numbers + np.log(best.log_sigma / log_sigma) * same_spread
+            laws.append(_climbed(counts, again, free, shot))
     nats = np.array([law.nats for law in laws])
     weights = np.exp(nats - nats.max())
     weights /= weights.sum()
-    shifts = np.array([law.shift for law in laws])
-    squares = shifts**2 + np.array([law.errors[0] for law in laws]) ** 2
-    mean = float(weights @ shifts)
-    return mean, math.sqrt(max(float(weights @ squares) - mean**2, 0.0))
+    each = np.array([_noisy_medians(counts, law) for law in laws])
+    moved = np.array([law.shift for law in laws]) - each[:, 0]  # by noise, back
+    medians = each[:, 1] + moved
+    squares = medians**2 + np.array([law.errors[0] for law in laws]) ** 2
+    median = float(weights @ medians)
+    variance = max(float(weights @ squares) - median**2, 0.0)
+    return median, math.hypot(math.sqrt(variance), OTHER_LAW * float(weights @ moved))
+
+
+def _noisy_medians(counts: Array, law: DarkLaw) -> tuple[float, float]:
+    """Return the medians with noise: of a law, and of counts, by how far about there
+    more of them are below than the law has."""
+    middle = quantile(law.shares, 0.5)
+    below, expected = (
+        np.interp(middle + AROUND, RATE_EDGES, np.append(0.0, one.cumsum()) / one.sum())
+        for one in (counts, law.shares)
+    )
+    density = (expected[-1] - expected[0]) / (AROUND[-1] - AROUND[0])
+    return middle, middle + float((expected - below).mean()) / density
 
 
 def shares_of(values: Array, shot: float, edges: Array = RATE_EDGES) -> Array:

@@ -7,17 +7,14 @@ from numpy.typing import NDArray
 
 from cg2raw.model.dark_law import DarkLaw, fitted, median_of, nats_of, with_hot
 from cg2raw.model.figures import Figure
-from cg2raw.model.recorded import FEW_CODES
+from cg2raw.model.recorded import FINE
 from cg2raw.model.shapes.base import Shape, Shown, nats_of_overlap, points_of
 from cg2raw.model.shapes.random_telegraph_noise import noisy_outliers
+from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.dark_rates import slope_of
 
 NAME = "hot_pixels"
 FAR = 8.0  # times the noise of a rate, of pixels that both splits must show
-# Of how far the median of most pixels lies below their mean: by so much a log-normal
-# law was seen to miss the median of inverse Gaussian rates, the other law of
-# R. L. Baer, Proc. SPIE 6068, 2006.
-LAW = 1 / 8
 
 
 def hot_pixels(shown: Shown) -> Shape | None:
@@ -51,11 +48,11 @@ def dark_median(
     large. is_normal : it has no tails."""
     darks = shown.statistics.shortest_darks(split)
     each = [plane.power[darks].min(initial=np.inf) for plane in shown.statistics.planes]
-    law = LAW if min(each) > FEW_CODES and is_normal else 1.0
+    is_normal &= min(each) > FINE + ROUNDING
     for one in shown.statistics.rates:
         if one.split == split:
             value, error = median_of(one.counts.astype(float), shown.shot(one))
-            return value * one.noise, float(np.hypot(error, law * value)) * one.noise
+            return value * one.noise, (error if is_normal else abs(value)) * one.noise
     return None
 
 
