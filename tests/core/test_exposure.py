@@ -128,6 +128,25 @@ def test_the_meter_puts_a_percentile_at_its_level():
     )
 
 
+@pytest.mark.parametrize(("percent", "light"), [(10, 0.1), (50, 0.2), (67, 0.4)])
+def test_a_percentile_is_that_of_the_pixels_up_to_it(percent, light):
+    """Of three pixels: the first whose share of all is as large."""
+    image = np.repeat(np.float32([[[0.1], [0.2], [0.4]]]), 3, axis=2)
+    assert stops(image=image, exposure=f"auto:{percent}:0.1") == pytest.approx(
+        math.log2(0.1 / light), abs=0.02
+    )
+
+
+def test_a_drawn_gain_is_above_0():
+    profile = json.loads(SENSOR.to_json())
+    profile["digital_gain"] = {"mean": 0.1, "sigma": 1.0}
+    sensor, gains = cg2raw.Sensor.from_json(json.dumps(profile)), []
+    for frame in range(64):
+        run = {"digital_gain": "sample", "frame": frame}
+        gains.append(sensor.simulate(GREY, **LIGHT, **run).simulation.digital_gain)
+    assert min(gains) > 0 and max(gains) > 1
+
+
 @pytest.mark.parametrize("share", [0.001, 0.02, 0.1, 0.2])  # a quarter at most
 def test_lamps_do_not_change_what_the_meter_reads(share):
     assert stops(image=scene(share), exposure="auto") == pytest.approx(

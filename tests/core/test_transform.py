@@ -213,6 +213,16 @@ def test_pixels_that_are_no_numbers_are_legal(sensor):
     assert (raw[:, 0] == black).all() and (raw[:, 1] == top).all()
 
 
+@pytest.mark.parametrize("value", [np.copysign(np.nan, -1), -np.inf, -1e38])
+def test_negatives_that_are_no_light_are_black(sensor, value):
+    """By their bits, signs are no part of a magnitude; 0 divided by 0 is a -NaN."""
+    rgb = np.full((3, 40, 3), 0.2, np.float32)
+    rgb[1, 7] = value
+    seen = sensor.to_camera(rgb, illuminant="A")
+    rgb[1, 7] = 0.0
+    assert (seen == sensor.to_camera(rgb, illuminant="A")).all()
+
+
 def test_one_channel_that_is_no_number_spoils_only_itself(sensor):
     mixed = np.array([[[np.nan, 0.5, 0.25]]], np.float32)
     clean = np.array([[[0.0, 0.5, 0.25]]], np.float32)
