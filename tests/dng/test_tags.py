@@ -138,6 +138,7 @@ def test_exact_is_one_matrix_of_a_camera_of_its_own(path):
     dng_files.write(path, dng_files.sensor(), matrices="exact")
     first, _, _ = dng_files.tags_of(path)
     assert first["CalibrationIlluminant1"] == 21
+    assert set(first["ColorMatrix1"][1::2]) == {10_000_000}  # denominators
     assert "ColorMatrix2" not in first and FORWARD_MATRIX[0] not in first
     assert first["Model"] == "NIKON D40 exact"
     assert first["UniqueCameraModel"] == "Nikon D40 exact"
