@@ -77,7 +77,7 @@ def halves(rng, side, link=0.0, blend=0.0, diagonal=0.0):
 )
 def test_what_made_them_is_named(side, given, names):
     rng = np.random.default_rng(11)
-    gains, values, covariance = lag_gains(*halves(rng, side, **given), LEAST)
+    (gains, _), values, covariance = lag_gains(*halves(rng, side, **given), LEAST)
     assert {name for name, gain in gains.items() if gain > LEAST} == names
     wanted = [given.get(name, 0.0) for name in ("link", "blend", "diagonal")]
     if len(names) == 1:
@@ -88,7 +88,7 @@ def test_what_made_them_is_named(side, given, names):
 def test_a_weak_one_is_told_by_what_it_leaves_of_noise():
     """0.02 of the neighbours: 4 % less variance of read and photon noise alike."""
     first, second = halves(np.random.default_rng(12), 2, blend=0.02)
-    gains, values, covariance = lag_gains(first, second, LEAST)
+    (gains, _), values, covariance = lag_gains(first, second, LEAST)
     assert gains["noise_reduction"] > LEAST
     left = Blended.of(first, values, covariance)
     assert left.left == pytest.approx(variance_left(0.02, 0.0), abs=4 * left.error)
@@ -102,14 +102,14 @@ def test_what_the_profile_states_is_no_gain():
             replace(one, null=np.array([0.0, stated, 0.1]), **NONE)
             for one in halves(rng, 2, **given)
         ]
-        assert (lag_gains(*both, LEAST)[0]["noise_reduction"] > LEAST) == gains
+        assert (lag_gains(*both, LEAST)[0].gains["noise_reduction"] > LEAST) == gains
 
 
 def test_less_of_one_noise_alone_is_no_noise_reduction():
     first, second = halves(np.random.default_rng(13), 2)
     for one in (first, second):
         one.ratios[:4] -= 0.1  # read noise, of four sites
-    assert lag_gains(first, second, LEAST)[0]["noise_reduction"] < LEAST
+    assert lag_gains(first, second, LEAST)[0].gains["noise_reduction"] < LEAST
 
 
 def test_weak_shot_noise_is_no_noise_reduction():
@@ -134,7 +134,7 @@ def test_weak_shot_noise_is_no_noise_reduction():
             strict=True,
         )
     ]
-    assert lag_gains(*small, LEAST)[0]["noise_reduction"] < LEAST
+    assert lag_gains(*small, LEAST)[0].gains["noise_reduction"] < LEAST
 
 
 @pytest.mark.parametrize(("blend", "diagonal"), [(0.1, 0.0), (0.3, 0.2), (0.0, 0.3)])

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from cg2raw.model.fit import Fit, Prior
-from cg2raw.model.smallest_set import gains_in_smallest_set
+from cg2raw.model.smallest_set import SmallestSet, smallest_set
 from cg2raw.model.values import LOGARITHMS
 from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import (
@@ -253,13 +253,14 @@ def lags_of(
 
 def lag_gains(
     training: Lags, validation: Lags, least: float
-) -> tuple[dict[str, float], Array, Array]:
+) -> tuple[SmallestSet, Array, Array]:
     """Return the nats of each name on validation frames, its values as trained and the
     other's fitted anew, over the same without it; the trained values; their
     covariance.
 
     Noise reduction lowers read noise and gain alike: it is named if it is in the
-    smallest set of these three that explains both. least : nats that a name needs."""
+    smallest set of these three that explains both; alike are those that may be in the
+    place of one of these. least : nats that a name needs."""
     nothing, reduction = np.full(3, np.nan), "noise_reduction"
     places = NAMES[reduction]
     alike = np.array_equal(training.of, validation.of)
@@ -285,24 +286,24 @@ def lag_gains(
             own = validation.fitted(_with(places, values))[0]
         return validation.value(own) + (validation.of_ratios(expected) if alike else 0)
 
-    gains = gains_in_smallest_set(
+    found = smallest_set(
         every,
         least,
         train=lambda names: fitted(training, names),
         value=value,
         refitted=lambda names: value(names, fitted(validation, names)),
     )
-    values, covariance, _ = fitted(training, gains)
+    values, covariance, _ = fitted(training, found.gains)
     along = NAMES["read_noise_correlation"]
     of_rows = [
         validation.value(validation.fitted(_with(along, one))[0])
         for one in (training.fitted(nothing)[0], validation.null)
     ]
-    found = {
+    gains = {
         "read_noise_correlation": of_rows[0] - of_rows[1],
-        reduction: gains.get(reduction, 0.0),
+        reduction: found.gains.get(reduction, 0.0),
     }
-    return found, values, covariance
+    return SmallestSet(gains, found.alike), values, covariance
 
 
 def _with(places: list[int], values: Array) -> Array:

@@ -58,7 +58,8 @@ UNNAMED = ("column_noise", "row_fixed_pattern", "columns of light", "rows of lig
 class Selection:
     """gains : nats of each name that the frames can show, on validation frames.
     unnamed : likewise of UNNAMED. unsure : how far other effects may move levels of
-    darks, DN or DN/s, by name. levels : of LEVELS, those that darks decide."""
+    darks, DN or DN/s, by name. levels : of LEVELS, those that darks decide.
+    alike : of noise, other names that may be in the place of one."""
 
     gains: Mapping[str, float]
     training: Fit
@@ -66,6 +67,7 @@ class Selection:
     unnamed: Mapping[str, float] = field(default_factory=dict)
     unsure: Mapping[str, float] = field(default_factory=dict)
     levels: Collection[str] = ()
+    alike: Mapping[str, Collection[str]] = field(default_factory=dict)
 
     def kept(self, least: float) -> list[str]:
         """Return the names that gain more than @least nats, best first."""
@@ -97,9 +99,10 @@ def selection(
     shapes = shapes or Shapes({})
     parameters = training.parameters
     gains: dict[str, float] = {}
+    alike: Mapping[str, Collection[str]] = {}
     blended = None
     if lags is not None:
-        gains, trained, covariance = lag_gains(*lags, least)
+        (gains, alike), trained, covariance = lag_gains(*lags, least)
         if gains["noise_reduction"] > least:
             blended = Blended.of(lags[0], trained, covariance)
     known = training.known & validation.known
@@ -173,7 +176,8 @@ def selection(
         own = parameters.are([name]) & known
         if own.any():
             unnamed[name] = gain_of(own, training.theta, validation, profile, least)
-    return Selection(gains, training, validation, unnamed, unsure, tuple(levels))
+    of_levels = tuple(levels)
+    return Selection(gains, training, validation, unnamed, unsure, of_levels, alike)
 
 
 def _may_gain(fit: Fit, own: NDArray[np.bool_], profile: Array, least: float) -> bool:

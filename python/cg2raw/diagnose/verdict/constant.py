@@ -290,7 +290,8 @@ def _alike(
 ) -> list[str]:
     """Return the effects that may be in the place of one."""
     others = [FILTER] if _may_be_filtered(found, name, values) else []
-    return others + [MISMATCH] * (name in found.amplifiers.alike)
+    others += [MISMATCH] * (name in found.amplifiers.alike)
+    return others + [*found.selection.alike.get(name, ())]
 
 
 def _may_be_filtered(
