@@ -11,6 +11,7 @@ from cg2raw.diagnose.diagnosis import STRUCTURE
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.pictures import Canvas
 from cg2raw.diagnose.scenes.point import Excess, point_of
+from cg2raw.diagnose.scenes.predict import predict
 from cg2raw.diagnose.scenes.residuals import Residuals
 from cg2raw.diagnose.scenes.view import views_of
 from diagnose.planted import capture_of, drawn, frames_of, sensor_of
@@ -35,8 +36,8 @@ def test_noise_leaves_nothing():
     chances = [
         test.p_value for seed in range(8) for test in asked_of(0.0, seed).values()
     ]
-    assert len(chances) == 8 * 12
-    assert min(chances) > STRUCTURE / 12
+    assert len(chances) == 8 * 13
+    assert min(chances) > STRUCTURE / 13
     assert 0.35 < np.mean(chances) < 0.65
 
 
@@ -58,9 +59,22 @@ def blended(frame, rng):
     return noise + np.roll(noise, 2, 2)
 
 
+def smeared(frame, rng):
+    return 0.02 * predict(Model(SENSOR), frame).mean.mean(axis=1, keepdims=True)
+
+
+def moved_across(frame, rng):
+    """Blurred across, and as much sharper down: no blur of a lens."""
+    mean = predict(Model(SENSOR), frame).mean
+    wider = [np.roll(mean, n, axis) for axis in (1, 2) for n in (-2, 2)]
+    return 0.03 * (wider[2] + wider[3] - wider[0] - wider[1])
+
+
 @pytest.mark.parametrize(
     ("extra", "name"),
     [
+        (smeared, "streaks"),
+        (moved_across, "edges"),
         (rows, "rows"),
         (columns, "columns"),
         (bump, "blocks"),

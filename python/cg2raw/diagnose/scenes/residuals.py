@@ -14,7 +14,6 @@ from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.scenes.gram import Array, Normal
 from cg2raw.diagnose.scenes.nuisances import (
     Nuisance,
-    laplacian,
     legendre,
     places,
     to_edge,
@@ -40,6 +39,7 @@ WHERE: Mapping[str, str] = {
     "radius": "the residual changes from the centre to the corners, by colour",
     "level": "the residual depends on the level of the signal",
     "edges": "the residual lies along edges",
+    "streaks": "the residual goes with the light of a whole column or row",
     "rows": "the residual differs from row to row",
     "columns": "the residual differs from column to column",
     "blocks": "the residual differs between blocks of the frame",
@@ -152,17 +152,20 @@ def _columns(point: Point) -> Iterator[tuple[str, list[Array]]]:
     yield "level", [light * hat for hat in _hats(light / top, LEVELS)]
     if frame.capture.shows.image:
         yield "edges", _edges(point)
+        streaks = [light.mean(axis=axis, keepdims=True) for axis in (1, 2)]
+        yield "streaks", [np.broadcast_to(x - x.mean(), shape) for x in streaks]
 
 
 def _edges(point: Point) -> list[Array]:
-    """Return columns of a render that is displaced, bent or blurred."""
+    """Return columns of a render that is displaced, bent, or blurred in a direction."""
     frame = point.frame
     camera = frame.camera.astype(float)
     v, u = places(frame)
     v, u = v[:, None], u[:, None]
     down, across = (np.gradient(camera, axis=axis) for axis in (2, 3))
     square = v**2 + u**2
-    changes = [down, across, laplacian(camera), (down * v + across * u) * square]
+    twice = [np.gradient(a, axis=n) for a, n in ((down, 2), (down, 3), (across, 3))]
+    changes = [down, across, *twice, (down * v + across * u) * square]
     changes += [slope * by for slope in (down, across) for by in (v * v, u * v, u * u)]
     return [by_light(point, change) for change in changes]
 
