@@ -4,6 +4,7 @@
 lacks."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -231,6 +232,19 @@ def test_levels_that_agree_are_no_drift():
     found = selection(*fits, profile(fits[0].parameters), LEAST)
     assert set(found.kept(LEAST)) == {"black_level", "dark_current"}
     assert set(found.unsure) == {"black_level", "dark_current"}
+
+
+def test_a_glow_of_one_split_leaves_dark_current_known():
+    """By the mean of a glow that both have, 0.1 DN/s squared, it is not."""
+    fits = fits_of_darks(14, (0.0, 3.0), lambda time: 600 + 0.1 * time)
+    null, unsure = profile(fits[0].parameters), []
+    for size in (0.0, 1e4):
+        glow = fits[1].theta.copy()
+        glow[fits[1].parameters.of("amplifier_glow, smooth_columns")] = size
+        pair = replace(fits[0], theta=glow), replace(fits[1], theta=glow)
+        unsure.append(selection(pair[0], fits[1], null, LEAST).unsure["dark_current"])
+    both = selection(*pair, null, LEAST).unsure["dark_current"]
+    assert unsure[0] == unsure[1] < both / 3
 
 
 def test_first_columns_are_neither_level_nor_drift():

@@ -145,7 +145,10 @@ class DarkLevels:
         for component in FIXED:
             if component.signature != signature:
                 continue
-            square = max(float(self.training.theta[at(component.name)]), 0.0)
+            place = at(component.name)
+            square = max(float(self.training.theta[place]), 0.0)
+            if name == "dark_current":  # what is there is in both
+                square = min(square, max(float(self.validation.theta[place]), 0.0))
             if component.per == "line":
                 is_row = bool(component.parts[PARTS.index("fast_rows")])
                 line, count = (row, h) if is_row else (column, w)
