@@ -16,7 +16,6 @@ from cg2raw.diagnose.scenes.point import (
     offsets_of,
     point_of,
     products_of,
-    shared_of,
     without_offsets,
 )
 from cg2raw.diagnose.scenes.view import views_of
@@ -113,11 +112,11 @@ def test_patterns_of_pixels_and_of_columns_are_shared():
     along[columns.labels[used], np.arange(used.sum())] = point.root[used]
     along *= columns.sigma
     share = (point.patterns["prnu"] * point.root**2)[used]
-    assert shared_of(a, point).shape == (3, 3)
+    assert products_of(a, point)[1].shape == (3, 3)
     score = np.linalg.solve(np.eye(used.sum()) + along.T @ along, a.T).T
     expected = (a * share) @ a.T + (score @ along.T) @ (score @ along.T).T
-    assert shared_of(a, point) == pytest.approx(expected, rel=1e-6)
-    assert shared_of(a, at(sensor_of())) == 0
+    assert products_of(a, point)[1] == pytest.approx(expected, rel=1e-6)
+    assert products_of(a, at(sensor_of()))[1] == 0
 
 
 def test_offsets_that_have_something_in_common_are_integrated_out_together():
@@ -140,7 +139,7 @@ def test_offsets_that_have_something_in_common_are_integrated_out_together():
             one.sigma**2 * alike * np.outer(point.root[used], point.root[used])
         )
     solved = np.linalg.solve(covariance, a.T)
-    assert products_of(a, point) == pytest.approx(a @ solved, rel=1e-6)
+    assert products_of(a, point)[0] == pytest.approx(a @ solved, rel=1e-6)
     left = [without_offsets(one, point) for one in a]
     assert np.array(left).T == pytest.approx(solved, rel=1e-6, abs=1e-9)
 

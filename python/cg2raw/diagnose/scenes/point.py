@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import maximum_filter
+from scipy.sparse import csr_array, hstack
 
 from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.registry import registered
@@ -149,7 +150,7 @@ def normal_of(
     residual = point.z.ravel() + theta.astype(np.float32) @ rows[: space.size]
     rows[-1] = residual
     rows = rows[:, used]
-    return Normal(int(used.sum()), products_of(rows, point), shared_of(rows, point))
+    return Normal(int(used.sum()), *products_of(rows, point))
 
 
 @dataclass(frozen=True)
@@ -189,84 +190,61 @@ def offsets_of(point: Point) -> list[Offset]:
 
 @dataclass(frozen=True)
 class _Offsets:
-    """Those of the used samples of a view, of which any two may have something in
-    common, as rows and columns have the mean.
+    """Those of the used samples of a view: G groups, of which any two may have some
+    samples in common, as rows and columns have.
 
-    labels : (n,) of each, the group of a sample; own : (n,) what a sample has of it, in
-    standard deviations. parts : the places of each one's groups among all, which are G.
-    precision : (G, G) of them."""
+    own : (n, G) what a sample has of each, in standard deviations. sigmas : (G,), how
+    large each may be. are_columns : (G,) which are of the column pattern. precision :
+    (G, G) of them."""
 
-    offsets: Sequence[Offset]
-    labels: Sequence[NDArray[np.intp]]
-    own: Sequence[Array]
-    parts: Sequence[slice]
+    own: csr_array
+    sigmas: Array
+    are_columns: NDArray[np.bool_]
     precision: Array
 
     @classmethod
     def of(cls, point: Point) -> "_Offsets":
-        used, offsets = point.root > 0, offsets_of(point)
-        labels, own, parts, end = [], [], [], 0
-        for one in offsets:
+        used = point.root > 0
+        parts = [csr_array((int(used.sum()), 0))]
+        sigmas, are_columns = [np.zeros(0)], [np.zeros(0, bool)]
+        for one in offsets_of(point):
             groups, label = np.unique(one.labels[used], return_inverse=True)
-            labels.append(label)
-            along = np.broadcast_to(one.along, used.shape)[used]
-            own.append(point.root[used] * along)
-            parts.append(slice(end, end := end + len(groups)))
-        precision = np.zeros((end, end))
-        for a, first in enumerate(parts):
-            for b, second in enumerate(parts):
-                block = precision[first, second]
-                shared = np.bincount(
-                    labels[a] * block.shape[1] + labels[b], own[a] * own[b], block.size
-                )
-                block += shared.reshape(block.shape)
-            precision[first, first] += np.eye(first.stop - first.start) / (
-                offsets[a].sigma ** 2
-            )
-        return cls(offsets, labels, own, parts, precision)
-
-    def along(self, rows: Array) -> Array:
-        """Return (K, G), what rows (K, n) have of each group."""
-        found = np.zeros((len(rows), len(self.precision)))
-        for label, own, part in zip(self.labels, self.own, self.parts, strict=True):
-            count = part.stop - part.start
-            found[:, part] = [np.bincount(label, row * own, count) for row in rows]
-        return found
+            own = (point.root * one.along)[used]
+            at = np.arange(len(own)), label
+            parts.append(csr_array((own, at), shape=(len(own), len(groups))))
+            sigmas.append(np.full(len(groups), one.sigma))
+            are_columns.append(np.full(len(groups), one.name == "columns"))
+        whole, sigma = csr_array(hstack(parts)), np.concatenate(sigmas)
+        precision = (whole.T @ whole).toarray() + np.diag(sigma**-2)
+        return cls(whole, sigma, np.concatenate(are_columns), precision)
 
     def likeliest(self, along: Array) -> Array:
-        """Return (K, G), the offsets of most likelihood of what rows have of them."""
+        """Return (K, G), the offsets of most likelihood. along : (K, G), what samples
+        have of them."""
         if not along.size:
             return along
         return np.asarray(cho_solve(cho_factor(self.precision), along.T).T)
 
 
-def products_of(rows: Array, point: Point) -> Array:
-    """Return A A^T of the samples that are used, in which offsets are integrated out.
+def products_of(rows: Array, point: Point) -> tuple[Array, Array | float]:
+    """Return A A^T of the samples that are used, in which offsets are integrated out;
+    and A S A^T, S the variance of fixed patterns, which all frames of a camera have in
+    common, in units of that of a sample; 0 where the profile states none.
 
     rows : (K, n) of them."""
     offsets = _Offsets.of(point)
-    along = offsets.along(rows)
-    return np.asarray(_summed(rows) - along @ offsets.likeliest(along).T)
-
-
-def shared_of(rows: Array, point: Point) -> Array | float:
-    """Return A S A^T, S the variance of fixed patterns, which all frames of a camera
-    have in common, in units of that of a sample; 0 where the profile states none.
-
-    rows : (K, n) of the samples that are used."""
+    along = np.asarray(rows @ offsets.own)
+    found = offsets.likeliest(along)
+    products = _summed(rows) - along @ found.T
     used = point.root > 0
     fixed = sum(v for name, v in point.patterns.items() if name != COLUMN_PATTERN)
     share = (np.broadcast_to(fixed, used.shape)[used] * point.root[used] ** 2).clip(0)
-    found: Array | float = 0.0
-    if share.any():
-        found = _summed(rows, share)
-    offsets = _Offsets.of(point)
-    for offset, part in zip(offsets.offsets, offsets.parts, strict=True):
-        if offset.name == "columns":
-            # Of an offset that is integrated out, so much is left in a score.
-            left = offsets.likeliest(offsets.along(rows))[:, part] / offset.sigma
-            found = found + left @ left.T
-    return found
+    shared = _summed(rows, share) if share.any() else 0.0
+    if offsets.are_columns.any():
+        # Of an offset that is integrated out, so much is left in a score.
+        left = (found / offsets.sigmas)[:, offsets.are_columns]
+        shared = shared + left @ left.T
+    return products, shared
 
 
 def _summed(rows: Array, weights: Array | None = None) -> Array:
@@ -284,12 +262,8 @@ def _summed(rows: Array, weights: Array | None = None) -> Array:
 def without_offsets(z: Array, point: Point) -> Array:
     """Return residuals (n,) of the used samples without their likeliest offsets."""
     offsets = _Offsets.of(point)
-    [found] = offsets.likeliest(offsets.along(z[None]))
-    for label, own, part in zip(
-        offsets.labels, offsets.own, offsets.parts, strict=True
-    ):
-        z = z - own * found[part][label]
-    return z
+    [found] = offsets.likeliest(np.asarray(z[None] @ offsets.own))
+    return np.asarray(z - offsets.own @ found)
 
 
 def derivatives(point: Point, effect: Effect) -> list[Array]:

@@ -83,7 +83,7 @@ class Residuals:
         changes = [by_light(point, one.change) for one in nuisances]
         every = [*changes, *(column for _, columns in questions for column in columns)]
         rows = [(column * root)[used] for column in every]
-        normal = Normal(len(z), products_of(np.array([*rows, z]), point))
+        normal = Normal(len(z), *products_of(np.array([*rows, z]), point))
         at = np.arange(len(nuisances))
         deviations = np.array([one.deviation for one in nuisances])
         numbers = normal.found(at, deviations, np.zeros(0))
