@@ -65,8 +65,8 @@ class Block:
 
 
 class _Term(NamedTuple):
-    """What one unit of a component adds to the covariance of some planes: a matrix,
-    (N, N), times the size of a part, (8,)."""
+    """What one unit of a component adds to the covariance of all planes: a matrix,
+    (N, N), times the size of a part in each, (P, 8)."""
 
     component: Component
     is_fixed: bool
@@ -97,16 +97,16 @@ class MeanImageLikelihood:
         self.planes, self.parameters = planes, planes[0].parameters
         self.statistics = statistics
         everything = list(range(len(planes)))
-        terms = self._terms(everything)
-        chosen = [(part, everything, terms) for part in range(PIXEL)]
-        chosen += [(PIXEL, [site], self._terms([site])) for site in everything]
+        terms = self._terms()
+        chosen = [(part, everything) for part in range(PIXEL)]
+        chosen += [(PIXEL, [site]) for site in everything]
         side = planes[0].side
         coefficients = [
             coefficients_of(plane.plane, site, side)
             for site, plane in enumerate(planes)
         ]
         self.blocks = []
-        for part, sites, terms in chosen:
+        for part, sites in chosen:
             each = [planes[site].plane for site in sites]
             freedom = float(np.mean([plane.freedom_of_means[part] for plane in each]))
             if freedom <= 0:
@@ -140,7 +140,9 @@ class MeanImageLikelihood:
         products: Array,
     ) -> Block:
         used = [term for term in terms if term.component.parts[part]]
-        each = [term.sizes[part] * term.matrix for term in used]
+        count = len(self.planes[0].frames)
+        own = slice(sites[0] * count, (sites[-1] + 1) * count)  # one of them, or all
+        each = [term.sizes[sites, part].mean() * term.matrix[own, own] for term in used]
         places = [self.parameters.of(term.component.name) for term in used]
         return Block(
             part,
@@ -171,24 +173,22 @@ class MeanImageLikelihood:
                 found[b, groups, a, groups] += covariance
         return found.reshape(len(sites) * count, -1)
 
-    def _terms(self, sites: Sequence[int]) -> list[_Term]:
+    def _terms(self) -> list[_Term]:
         """Return those of all components, of FIXED first."""
         frames, side = self.planes[0].frames, self.planes[0].side
-        planes, size = [self.planes[site] for site in sites], len(frames)
-        every = np.tile(np.eye(size), (len(sites), len(sites)))
-        again = every / np.tile(frames, len(sites))
+        count, size = len(self.planes), len(frames)
+        again = np.tile(np.eye(size), (count, count)) / np.tile(frames, count)
         found = []
         for number, component in enumerate((*FIXED, *TEMPORAL)):
-            vectors = [plane.vectors(component) for plane in planes]
+            vectors = [plane.vectors(component) for plane in self.planes]
             one, two = (np.concatenate([v[at] for v in vectors]) for at in (0, -1))
             matrix = np.outer(one, two)
             if len(vectors[0]) > 1:
                 matrix += matrix.T
-            alike = component.shared(side)[np.ix_(sites, sites)]
-            matrix *= np.kron(alike, np.ones((size, size)))
+            matrix *= np.kron(component.shared(side), np.ones((size, size)))
             if number >= len(FIXED):
                 matrix *= again
-            sizes = np.mean([component.in_means(p.plane) for p in planes], axis=0)
+            sizes = np.array([component.in_means(p.plane) for p in self.planes])
             found.append(_Term(component, number < len(FIXED), matrix, sizes))
         return found
 
