@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cg2raw.model.components import FIXED
 from cg2raw.model.fit import Fit, Prior, gain_of, refitted
 from cg2raw.model.mean_images import low_of
-from cg2raw.model.smallest_set import smallest_set
+from cg2raw.model.smallest_set import Way, smallest_set
 from cg2raw.statistics.constant import PARTS, Array, lines_of_mosaic, polynomials
 
 LEVELS = ("black_level", "dark_current", "black_level_drift")
@@ -56,9 +56,13 @@ class DarkLevels:
         gains = smallest_set(
             {name: int(name == "black_level_drift") for name in self.places},
             least,
-            train=lambda names: self._fitted(self.training, names)[0],
-            value=self._value,
-            refitted=lambda names: self._fitted(self.validation, names)[0].value,
+            [
+                Way(
+                    lambda names: self._fitted(self.training, names)[0],
+                    self._value,
+                    lambda names: self._fitted(self.validation, names)[0].value,
+                )
+            ],
         ).gains
         named = [name for name, gain in gains.items() if gain > least]
         if not named or not self.validation.likelihood.is_coarse:

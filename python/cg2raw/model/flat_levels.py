@@ -16,7 +16,7 @@ from cg2raw.model.fit import Fit
 from cg2raw.model.levels import CUT
 from cg2raw.model.mean_images import low_of, middle_of
 from cg2raw.model.planes import PlaneLikelihood
-from cg2raw.model.smallest_set import smallest_set
+from cg2raw.model.smallest_set import Way, smallest_set
 from cg2raw.model.structure import low_noise
 from cg2raw.statistics.constant import PIXEL, Array
 
@@ -275,10 +275,9 @@ def level_gains(
     frames with its parameters as trained, over the same set without it, fitted anew.
 
     least : nats that a name needs."""
-    return smallest_set(
-        dict.fromkeys(validation.names, 0),
-        least,
-        train=training.known,
-        value=lambda names, trained: validation.value(names, *trained),
-        refitted=lambda names: validation.value(names, validation.fitted(names)),
-    ).gains
+    way = Way(
+        training.known,
+        lambda names, trained: validation.value(names, *trained),
+        lambda names: validation.value(names, validation.fitted(names)),
+    )
+    return smallest_set(dict.fromkeys(validation.names, 0), least, [way]).gains

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from cg2raw.model.fit import Fit, Prior
-from cg2raw.model.smallest_set import SmallestSet, smallest_set
+from cg2raw.model.smallest_set import SmallestSet, Way, smallest_set
 from cg2raw.model.values import LOGARITHMS
 from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import (
@@ -279,20 +279,23 @@ def lag_gains(
                 expected[at] = lags.ratios[at].mean()
         return values, covariance, expected
 
-    def value(names: Collection[str], found: tuple[Array, Array, Array]) -> float:
-        values, _, expected = found
-        own = validation.unreduced[0]
-        if reduction in names:
-            own = validation.fitted(_with(places, values))[0]
-        return validation.value(own) + (validation.of_ratios(expected) if alike else 0)
+    def way(training: Lags, validation: Lags) -> Way:
+        def value(names: Collection[str], found: tuple[Array, Array, Array]) -> float:
+            values, _, expected = found
+            own = validation.unreduced[0]
+            if reduction in names:
+                own = validation.fitted(_with(places, values))[0]
+            of_ratios = validation.of_ratios(expected) if alike else 0.0
+            return validation.value(own) + of_ratios
 
-    found = smallest_set(
-        every,
-        least,
-        train=lambda names: fitted(training, names),
-        value=value,
-        refitted=lambda names: value(names, fitted(validation, names)),
-    )
+        return Way(
+            lambda names: fitted(training, names),
+            value,
+            lambda names: value(names, fitted(validation, names)),
+        )
+
+    ways = way(training, validation), way(validation, training)
+    found = smallest_set(every, least, ways)
     values, covariance, _ = fitted(training, found.gains)
     along = NAMES["read_noise_correlation"]
     of_rows = [

@@ -2,56 +2,68 @@
 # Copyright Contributors to the cg2raw Project.
 """The smallest set of names that explains: of names that can stand for each other."""
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from itertools import combinations
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
-Trained = TypeVar("Trained")
+import numpy as np
+
 Names = Sequence[str]
+
+
+class Way(NamedTuple):
+    """train : fits names to some frames. value : log-likelihood of others, of names
+    that are so fitted. refitted : the same, of names that are fitted to them."""
+
+    train: Callable[[Names], Any]
+    value: Callable[[Names, Any], float]
+    refitted: Callable[[Names], float]
 
 
 class SmallestSet(NamedTuple):
     """gains : nats of each name of the set. alike : other names that may be in the
-    place of one: with them the set is worth less by no more than a name needs."""
+    place of one: with them the set is worth less by half of what a name needs, or by
+    less than that."""
 
     gains: dict[str, float]
     alike: Mapping[str, Collection[str]]
 
 
 def smallest_set(
-    every: Mapping[str, int],
-    least: float,
-    *,
-    train: Callable[[Names], Trained],
-    value: Callable[[Names, Trained], float],
-    refitted: Callable[[Names], float],
+    every: Mapping[str, int], least: float, ways: Sequence[Way]
 ) -> SmallestSet:
-    """Return the set that is worth most on validation frames: its log-likelihood, as
-    trained, less @least for each name, and less 1 for each parameter that is as it was
-    trained, however well that is known (H. Akaike, IEEE Trans. Automatic Control 19(6),
-    1974). Gains are over the same set without the name, fitted anew.
+    """Return the set that is worth most on frames that did not fit it: its
+    log-likelihood, less @least for each name, and less 1 for each parameter that is as
+    it was trained, however well that is known (H. Akaike, IEEE Trans. Automatic Control
+    19(6), 1974); the mean of both ways of two splits. Gains are over the same set
+    without the name, fitted anew: of two ways, the mean of likelihood ratios.
 
-    every : names and how many such parameters each has.
-    train : fits names to training frames. value : log-likelihood of validation frames.
-    refitted : the same, of names that are fitted to them."""
-    values: dict[tuple[str, ...], float] = {}
-    for size in range(len(every) + 1):
-        for names in combinations(every, size):
-            values[names] = value(names, train(names))
+    every : names and how many such parameters each has."""
+    values = {
+        names: [way.value(names, way.train(names)) for way in ways]
+        for size in range(len(every) + 1)
+        for names in combinations(every, size)
+    }
 
     def worth(names: tuple[str, ...]) -> float:
-        return values[names] - sum(least + every[name] for name in names)
+        cost = sum(least + every[name] for name in names)
+        return float(np.mean(values[names])) - cost
 
     best = max(values, key=worth)
     gains, alike = {}, {}
     for name in best:
         rest = [other for other in best if other != name]
-        gains[name] = values[best] - refitted(rest)
+        each = [
+            value - way.refitted(rest)
+            for value, way in zip(values[best], ways, strict=True)
+        ]
+        gains[name] = float(np.logaddexp.reduce(each)) - math.log(len(ways))
         alike[name] = [
             other
             for other in every
             if other not in best
-            and worth(_in_order(every, {*rest, other})) > worth(best) - least
+            and worth(_in_order(every, {*rest, other})) > worth(best) - least / 2
         ]
     return SmallestSet(gains, alike)
 
