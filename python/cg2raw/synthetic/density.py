@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.special import log_ndtr, logsumexp
 
-from cg2raw.statistics.codes import ROUNDING
 from cg2raw.synthetic.camera import Camera, Plane
 from cg2raw.synthetic.memory import told_by_before
-from cg2raw.synthetic.photons import normal, photon_density
+from cg2raw.synthetic.photons import ROUNDING, normal, photon_density
 from cg2raw.synthetic.readout import (
     Noise,
     blend_response,

@@ -6,9 +6,9 @@
 import numpy as np
 from scipy.special import gammaln, logsumexp
 
-from cg2raw.statistics.codes import ROUNDING
 from cg2raw.synthetic.camera import Plane
 
+ROUNDING = 1 / 12  # DN^2, variance of rounding to 1 DN
 FEW = 150.0  # photons that are summed one by one; of more the saddle point is exact
 CHUNK = 4096  # pixels at a time, against memory
 NEWTON_STEPS = 8

@@ -14,7 +14,6 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from cg2raw.diagnose.captures.capture import Group, Kind
-from cg2raw.statistics.codes import ROUNDING
 from cg2raw.synthetic import charge, conditions, light, scenes
 from cg2raw.synthetic.camera import Camera, Plane
 from cg2raw.synthetic.charge import Patterns
@@ -22,6 +21,7 @@ from cg2raw.synthetic.density import log_density
 from cg2raw.synthetic.dust import transmission
 from cg2raw.synthetic.light import Field, Hidden
 from cg2raw.synthetic.measured import Measured
+from cg2raw.synthetic.photons import ROUNDING
 from cg2raw.synthetic.posterior import Observation, Posterior, posterior
 from cg2raw.synthetic.readout import (
     blended,
