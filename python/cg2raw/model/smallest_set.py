@@ -23,8 +23,8 @@ class Way(NamedTuple):
 
 class SmallestSet(NamedTuple):
     """gains : nats of each name of the set. alike : other names that may be in the
-    place of one: with them the set is worth less by half of what a name needs, or by
-    less than that."""
+    place of one: the set is worth less with them, but by less than half of what a name
+    needs."""
 
     gains: dict[str, float]
     alike: Mapping[str, Collection[str]]
