@@ -84,7 +84,7 @@ def uniform_frames(
     used: Sequence[Capture] = every
     notes: list[str] = []
     for what in ("ISO", "size", "temperature"):
-        used, more = _usual_of(used, what)
+        used, more = _most_frequent(used, what)
         notes += more
     for split in GROUPS:
         if all(c.group != split for c in used):
@@ -92,7 +92,6 @@ def uniform_frames(
                 f"no dark or flat is in the group {split}: not enough to fit, select "
                 "and report on different frames; add frames"
             )
-
     divided = any(capture.divided for capture in used)
     if divided:
         notes.append(
@@ -134,7 +133,7 @@ def uniform_frames(
     return UniformFrames(used, statistics, profile, has_noise, notes, spoiled, well)
 
 
-def _usual_of(
+def _most_frequent(
     captures: Sequence[Capture], what: str
 ) -> tuple[Sequence[Capture], list[str]]:
     """Return the captures of the most frequent ISO, size or temperature, and a note on

@@ -7,7 +7,7 @@ blends all noise with that of the four of its colour beside, and of the four acr
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -267,36 +267,40 @@ def lag_gains(
     every = {reduction: len(places)}
     every |= {name: 1 for name in LOGARITHMS if alike and name in training.of}
 
-    def fitted(lags: Lags, names: Collection[str]) -> tuple[Array, Array, Array]:
-        """Return values, their covariance, and the ratios that they expect."""
+    @cache  # each way asks for what the other has
+    def fitted(at: int, names: frozenset[str]) -> tuple[Array, Array, Array]:
+        """Return values, their covariance, and the ratios that they expect. at : of the
+        split, 0 or 1."""
+        lags = (training, validation)[at]
         values, covariance = lags.unreduced
         if reduction in names:
             own = np.isin(lags.of, list(names))
             values, covariance = lags.fitted(nothing, ~own & alike)
         expected = np.full(len(lags.of), lags.lowered(values))
         for name in names:
-            if (at := lags.of == name).any():
-                expected[at] = lags.ratios[at].mean()
+            if (own := lags.of == name).any():
+                expected[own] = lags.ratios[own].mean()
         return values, covariance, expected
 
-    def way(training: Lags, validation: Lags) -> Way:
+    def way(at: int) -> Way:
+        """Return how frames of a split judge values of the other."""
+        judge = (training, validation)[at]
+
         def value(names: Collection[str], found: tuple[Array, Array, Array]) -> float:
             values, _, expected = found
-            own = validation.unreduced[0]
+            own = judge.unreduced[0]
             if reduction in names:
-                own = validation.fitted(_with(places, values))[0]
-            of_ratios = validation.of_ratios(expected) if alike else 0.0
-            return validation.value(own) + of_ratios
+                own = judge.fitted(_with(places, values))[0]
+            return judge.value(own) + (judge.of_ratios(expected) if alike else 0.0)
 
         return Way(
-            lambda names: fitted(training, names),
+            lambda names: fitted(1 - at, frozenset(names)),
             value,
-            lambda names: value(names, fitted(validation, names)),
+            lambda names: value(names, fitted(at, frozenset(names))),
         )
 
-    ways = way(training, validation), way(validation, training)
-    found = smallest_set(every, least, ways)
-    values, covariance, _ = fitted(training, found.gains)
+    found = smallest_set(every, least, [way(1), way(0)])
+    values, covariance, _ = fitted(0, frozenset(found.gains))
     along = NAMES["read_noise_correlation"]
     of_rows = [
         validation.value(validation.fitted(_with(along, one))[0])

@@ -117,13 +117,14 @@ def photons(points: Sequence[Point], left: Sequence[Array]) -> float:
         law = point.prediction.pattern_third_cumulant
         by_law.setdefault(law, []).append((point, mean))
     for law, some in by_law.items():
-        own = _own_skews(some, law) if law else (0.0, 0.0)
-        for sign, is_counted, more in zip((1, -1), (True, False), own, strict=True):
-            if law:
-                gained -= sign * (more / law - 1) ** 2 / 2
-            for z, near, p in _deviations(some):
-                white, slope = EFFECT.whitened(z, p, is_counted, more)
-                gained += sign * float((slope - 0.5 * white**2)[near].sum())
+        counted, normal = _own_skews(some, law) if law else (0.0, 0.0)
+        if law:
+            gained += ((normal / law - 1) ** 2 - (counted / law - 1) ** 2) / 2
+        for z, near, p in _deviations(some):
+            white, slope = EFFECT.whitened(z, p, True, counted)
+            plain, other = EFFECT.whitened(z, p, False, normal)
+            nats = slope - other - 0.5 * (white**2 - plain**2)
+            gained += float(nats[near].sum())
     return gained
 
 
