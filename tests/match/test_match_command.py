@@ -4,6 +4,7 @@
 
 import json
 import re
+import sys
 
 import numpy as np
 import OpenImageIO as oiio
@@ -198,6 +199,14 @@ def test_bad_input_is_one_line_with_the_remedy(folders, changed, said, tmp_path)
 )
 def test_bad_options_are_said_before_any_frame_is_read(folders, more, said):
     assert said in fails(*words(folders, *more, captures="gone"))
+
+
+def test_a_missing_library_is_named(folders, monkeypatch):
+    for name in [n for n in sys.modules if n.startswith("cg2raw.match")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "scipy.optimize", None)
+    line = fails(*words(folders))
+    assert "needs scipy.optimize: pip install 'cg2raw[diagnose]'" in line
 
 
 def test_developed_pictures_are_no_captures(folders, tmp_path):

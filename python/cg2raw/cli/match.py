@@ -68,6 +68,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compare; return 0."""
+    try:
+        return run_match(arguments)
+    except ModuleNotFoundError as missing:
+        raise ValueError(
+            f"needs {missing.name}: pip install 'cg2raw[diagnose]'"
+        ) from None
+
+
+def run_match(arguments: argparse.Namespace) -> int:
+    """Read, compare, write what was asked for."""
     from cg2raw.cli._uniform_frames import sensor_of
     from cg2raw.match import captures_in, check_counts, compare, renders_in
 
