@@ -106,15 +106,20 @@ def readme_text(found: Mapping[str, Any]) -> str:
         values = gaps(study, measure, sign, source)
         return f"{min(values):.2f} to {max(values):.2f}"
 
+    def count(study: str) -> str:
+        cameras = len(found[f"{study}, {RENDERS}"]["cameras"])
+        return "1 camera" if cameras == 1 else f"{cameras} cameras"
+
     colour, noise = ("isp", "difference", 1), ("denoising", "psnr", -1)
-    cameras = len(found[f"isp, {RENDERS}"]["cameras"])
+    isos = " and ".join(f"{iso:g}" for iso in PROTOCOL.denoising.isos)
     text = (
         "Trained on renders of night scenes that `cg2raw match` exposed, a small "
         f"neural ISP is {behind(*colour, OURS)} CIEDE2000 behind one that is trained "
-        f"on the camera's own frames, on {cameras} cameras (UPI at the same exposures: "
-        f"{behind(*colour, UPI)}), and a denoiser {behind(*noise, OURS)} dB "
-        f"(UPI: {behind(*noise, UPI)}). Trained on renders of scenes like the camera's "
-        f"own, the ISP is within {max(map(abs, gaps(*colour, WORLD))):.2f} of it."
+        f"on the camera's own frames, on {count('isp')} (UPI at the same exposures: "
+        f"{behind(*colour, UPI)}), and a denoiser {behind(*noise, OURS)} dB, on "
+        f"{count('denoising')} at ISO {isos} (UPI: {behind(*noise, UPI)}). Trained on "
+        "renders of scenes like the camera's own, the ISP is within "
+        f"{max(map(abs, gaps(*colour, WORLD))):.2f} of it."
     )
     return fill(text, WIDTH, break_on_hyphens=False)
 
