@@ -13,7 +13,8 @@ INTRO = """\
 `cg2raw effects NAME` print the same; `cg2raw effects --json` prints it for programs.
 
 An effect is one physical departure of a camera from an ideal one. A profile switches it
-on in its `effects`; all its parameters must be given, within their bounds:
+on in its `effects`, with its parameters, within their bounds; only those marked so may
+be left out:
 
 ```json
 "effects": [{"name": "row_noise", "parameters": {"sigma": 0.0002}}]

@@ -41,9 +41,8 @@ Effect dark_current_nonuniformity()
         Stage::response,
         Pattern::fixed,
         { { "rate", "1/s", 0.0, 10.0, 0.0,
-            "of e^(log_sigma n) - 1, n normal, that a second leaves beside "
-            "dark_current, "
-            "the median; that should be as much at least, as no charge is below 0" },
+            "scale of e^(log_sigma n) - 1, n normal, added to dark_current (the "
+            "median), which should be at least this rate" },
           { "log_sigma", "1", 0.0, 3.0, 0.0,
             "standard deviation of the log of a pixel's rate" } },
         "dark current that differs from pixel to pixel",

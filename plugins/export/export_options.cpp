@@ -237,7 +237,7 @@ const Row rows[] = {
         "lacks neighbours. `none`: they show all" },
       [](Options& o, const Word& w) { o.file.crop = w.parsed(crop_from_name); } },
     { { "tone_curve", "file", "word", "camera or linear",
-        "`camera` (default): the reader's own" },
+        "`camera` (default): the reader applies its own; `linear`: none" },
       [](Options& o, const Word& w) {
           o.file.tone_curve = w.parsed(tone_curve_from_name);
       } },
