@@ -25,9 +25,10 @@ SIZES = SCALES[:-2]  # of spots; the next but one is AROUND as wide
 FARTHEST = 6.0  # times its scale, that a spot may reach
 AROUND = 2  # the sd of what it is compared with, over its own
 ROUND = 8  # degree of polynomials of the place, where spots are not known yet
-LEFT = (
-    0.25  # of a spot, that what is slow must leave if it is fitted to the spot as well
-)
+SHARP = 3.0  # power of the radius by which a spot falls: between a Gaussian and a disc
+HALF = 0.6  # of a spot's reach, to where half of it is left
+LEFT = 0.25  # of a spot, that must be left beside what is slow
+SINGULAR = 1e-9  # relative: of what is alike only one is measured
 MOST_FITTED = 2**12  # cells, by which what is smooth is fitted
 CLIP = 8.0  # times the noise of a cell
 ROUNDS = 6  # of finding spots without those found before
@@ -66,7 +67,7 @@ def spots_of(light: Image, side: int, left_out: NDArray[np.bool_]) -> Spots:
     tried = max(values.size * len(SIZES), 1)
     if not weights.any():
         return Spots(np.zeros((0, 3)), tried)
-    least = float(np.sqrt(2 * np.log(tried / CHANCE)))
+    least = _least(tried)
     white, all_of_it = np.array([_noise_of(float(one)) for one in SIZES]), weights
     spots: list[Found] = []
     for number in range(ROUNDS + 1):
@@ -86,24 +87,17 @@ def spots_of(light: Image, side: int, left_out: NDArray[np.bool_]) -> Spots:
             for (away, enough), of_white in zip(deviations, white, strict=True)
         ]
     )
-    # What is slow may bend more than was known with spots left out: it explains those
-    # of which it then leaves little, and no more than chance has.
+    strong = [one for one in spots if one.strength > least * noises[one.size]]
     bent = _without_slow(values, all_of_it, SLOW, weights)
-    each = [
-        [_smoothed(image, all_of_it, float(one))[0] for one in SIZES]
-        for image in (rest, bent)
-    ]
-    every = []
-    for one in spots:
-        whole, left = (of[one.size][one.row, one.column] for of in each)
-        most = least * noises[one.size]
-        beyond = abs(left) * 2 * np.sqrt(np.pi) * SIZES[one.size]
-        if one.strength > most and (beyond > most or left / whole > LEFT):
-            every.append(one)
-    found = _places(every, noises)
+    found = _places(_needed(strong, rest, bent, all_of_it, noises), noises)
     found[:, :2] = found[:, :2] * size + (size - 1) / 2
     found[:, 2] *= size
     return Spots(found, tried)
+
+
+def _least(tried: int) -> float:
+    """Return the deviations that one of so many that are tried has by CHANCE."""
+    return float(np.sqrt(2 * np.log(max(tried, 1) / CHANCE)))
 
 
 def _cells(light: Image, left_out: NDArray[np.bool_], size: int) -> tuple[Array, Array]:
@@ -132,7 +126,10 @@ def _without_slow(
     """Return what is neither slow nor of whole rows or columns, over the noise of a
     cell, up to CLIP. weights : of cells by which that is known. of_noise : of those by
     which the noise is; None for the same."""
-    rest = values - _slow(values, weights, degree)
+    at = np.flatnonzero(weights > 0)[:: max(values.size // MOST_FITTED, 1)]
+    terms = _slow_terms(values.shape, degree)
+    fitted, *_ = np.linalg.lstsq(terms[at], values.flat[at], rcond=None)
+    rest = values - (terms @ fitted).reshape(values.shape)
     unknown = weights == 0
     for axis in (0, 1):
         # Of lines all of which is masked, nothing is taken off.
@@ -144,20 +141,52 @@ def _without_slow(
     return found
 
 
-def _slow(values: Array, weights: Array, degree: int) -> Array:
-    """Return the polynomials of the place that fit best."""
-    down, across = (polynomials(length) for length in values.shape)
+def _slow_terms(shape: tuple[int, int], degree: int) -> Array:
+    """Return (cells, n) polynomials of the place, of a degree in all, and those of rows
+    and of columns alone."""
+    down, across = (polynomials(length) for length in shape)
     degrees = np.add.outer(np.arange(len(down)), np.arange(len(across)))
     used = degrees <= degree
     used[:, 0] = used[0] = True
-    every = max(values.size // MOST_FITTED, 1)
-    at = np.flatnonzero(weights > 0)[::every]
-    y, x = np.divmod(at, values.shape[1])
-    terms = (down[:, None, y] * across[None, :, x])[used]
-    fitted, *_ = np.linalg.lstsq(terms.T, values.flat[at], rcond=None)
-    coefficients = np.zeros(used.shape)
-    coefficients[used] = fitted
-    return down.T @ coefficients @ across
+    y, x = np.nonzero(used)
+    return (down.T[:, None, y] * across.T[None, :, x]).reshape(-1, len(y))
+
+
+def _needed(
+    spots: Sequence[Found], rest: Array, bent: Array, weights: Array, noises: Array
+) -> list[Found]:
+    """Return the spots that stand out beside all others and beside what is slow, which
+    may bend as much as a mean image's does: amplitudes by least squares, of which the
+    least sure is left out until all are beyond chance, and not far less than without
+    what is slow.
+
+    rest, bent : what is not slow, with spots left out, and with them. noises : of each
+    size."""
+    found, least = list(spots), _least(len(spots))
+    if not found:
+        return found
+    root = np.sqrt(weights.ravel())
+    rows, columns = np.indices(rest.shape)
+    shapes = np.empty((rest.size, len(found)))
+    for n, one in enumerate(found):
+        away = np.hypot(rows - one.row, columns - one.column) / (HALF * one.radius())
+        shapes[:, n] = root * np.exp2(-(away**SHARP)).ravel()
+    whole, *_ = np.linalg.lstsq(shapes, root * rest.ravel(), rcond=None)
+    slow = root[:, None] * _slow_terms(rest.shape, SLOW)
+    known = slow.T @ slow + SINGULAR * np.eye(slow.shape[1])
+    shapes -= slow @ np.linalg.solve(known, slow.T @ shapes)
+    while found:
+        own = shapes.T @ shapes
+        inverse = np.linalg.inv(own + SINGULAR * np.diag(np.diagonal(own)))
+        left = inverse @ (shapes.T @ (root * bent.ravel()))
+        errors = np.sqrt(np.diagonal(inverse)) * noises[[one.size for one in found]]
+        sure = np.where(left / whole > LEFT, np.abs(left) / errors, 0.0)
+        worst = int(np.argmin(sure))
+        if sure[worst] > least:
+            break
+        del found[worst]
+        shapes, whole = np.delete(shapes, worst, axis=1), np.delete(whole, worst)
+    return found
 
 
 def _places(spots: Sequence[Found], noises: Array) -> Array:

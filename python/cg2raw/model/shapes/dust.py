@@ -23,6 +23,7 @@ from cg2raw.statistics.constant import Array
 NAME = "dust"
 MEGAPIXEL = 1e6
 HALF = 0.6  # of a spot's reach, to where half of its loss is usually left
+SMALLEST = 1.0  # px, of that radius, as the registry bounds it
 STEEPEST = 8.0  # power of the radius by which the loss falls; 2 is a Gaussian
 FEWEST = 6  # pixels of which a spot's five numbers are fitted
 EVEN = 0.3  # relative sd of the depths, and radii, of spots: even from 1/2 to 3/2
@@ -129,7 +130,7 @@ def _fitted(excess: Excess, place: Array) -> Spot | None:
         start,
         lambda x: root[:, None] * _slopes(x, rows, columns),
         bounds=(
-            [row - reach, column - reach, 0.0, 0.25, 1.0],
+            [row - reach, column - reach, 0.0, SMALLEST, 1.0],
             [row + reach, column + reach, 1.0, 2 * reach, STEEPEST],
         ),
         x_scale=[reach, reach, 0.1, reach, 1.0],
