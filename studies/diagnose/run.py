@@ -32,7 +32,7 @@ from studies.diagnose.gates import COUNTS, GATES, OF_REAL_FRAMES
 from studies.diagnose.gates import table as gates_table
 from studies.diagnose.real import manifest_of
 from studies.diagnose.real_frames import add_data, folder_of
-from studies.diagnose.scores import errors, half_points, score, table
+from studies.diagnose.scores import errors, half_points, of_limits, score, table
 from studies.diagnose.suites import SUITES, AnyCase, cases
 from studies.places import ROOT
 
@@ -72,6 +72,7 @@ def run_case(case: AnyCase, alpha: float, **limits: Any) -> dict[str, Any]:
     missed = [name for name in case.strengths if name not in record["named"]]
     if missed and not case.without and case.suite != "unknown":
         record["evidence"] = case.evidence(missed)
+        record["of_limits"] = of_limits(missed, case.expected(), found)
     if case.suite == "closed-loop":
         record.update(_again(captures, found, alpha))
     return record

@@ -3,7 +3,8 @@
 
 """Scores: how well a diagnosis found the hidden effects, and the table of a suite."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -79,6 +80,23 @@ def errors(
     return found
 
 
+def of_limits(
+    missed: Sequence[str],
+    expected: Mapping[str, Mapping[str, float]],
+    diagnosis: Diagnosis,
+) -> dict[str, float]:
+    """Return how strong missed names are, over the detection limit that the report has
+    for them: the largest of their parameters. Names without a limit, or whose true
+    values are not known, are left out. expected : as of errors."""
+    found: dict[str, float] = {}
+    for limit in diagnosis.detection_limits:
+        truth = expected.get(limit.name, {}).get(limit.parameter)
+        if limit.name in missed and limit.strength and truth is not None:
+            known = found.get(limit.name, 0.0)
+            found[limit.name] = max(known, abs(truth) / limit.strength)
+    return found
+
+
 def table(suite: str, records: Sequence[Record]) -> str:
     """Return the table of a suite: a line per effect, totals, what is asked of them."""
     good = [one for one in records if "error" not in one]
@@ -96,12 +114,18 @@ def table(suite: str, records: Sequence[Record]) -> str:
         f"{what}: {_number(value)} (asked: {asked})"
         for what, value, asked in bounds(suite, good)
     ]
-    lines += [
-        f"case {one['number']}: missed {name}, {nats:.1f} nats in what decides"
-        for one in good
-        for name, nats in one.get("evidence", {}).items()
-    ]
+    lines += [words for one in good for words in _missed(one)]
     return "\n".join(lines)
+
+
+def _missed(one: Record) -> Iterator[str]:
+    """Yield how strong each name that was missed is."""
+    nats, ratios = (one.get(key, {}) for key in ("evidence", "of_limits"))
+    for name in dict.fromkeys([*nats, *ratios]):
+        words = [f"case {one['number']}: missed {name}"]
+        words += [f"{nats[name]:.1f} nats in what decides"] if name in nats else []
+        words += [f"{ratios[name]:.2f} of its limit"] if name in ratios else []
+        yield ", ".join(words)
 
 
 # Columns after what is hidden, and the format of each.
@@ -192,7 +216,29 @@ def _of_sets(suite: str, good: Sequence[Record]) -> list[Bound]:
     return [
         ("exact set", _share([one["exact"] for one in good]), f">= {seen}"),
         ("right first name", _is(good, "right"), "none"),
+        *_of_names(good),
         *_closed_bounds(_closed(good)),
+    ]
+
+
+def _of_names(good: Sequence[Record]) -> list[Bound]:
+    """A missed name is below its limit if its strength is; one of unknown limit is
+    not."""
+    hidden = sum(len(one["hidden"]) for one in good)
+    missed = [
+        one.get("of_limits", {}).get(name, math.inf)
+        for one in good
+        for name in one["hidden"]
+        if name not in one["named"]
+    ]
+    found, above = hidden - len(missed), sum(ratio >= 1 for ratio in missed)
+    return [
+        (f"right of {hidden} names", found / hidden if hidden else np.nan, "97 %"),
+        (
+            f"right of {found + above} names above their detection limits",
+            found / (found + above) if found + above else np.nan,
+            "99 %",
+        ),
     ]
 
 

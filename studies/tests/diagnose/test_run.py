@@ -20,6 +20,7 @@ from studies.diagnose.scores import (
     errors,
     half_points,
     line,
+    of_limits,
     score,
     table,
 )
@@ -193,6 +194,31 @@ def test_errors_are_in_standard_errors_of_the_side_of_the_truth(truth, off):
     assert found == {"prnu.sigma": pytest.approx(off), "prnu.exact": 0.0}
 
 
+def test_missed_names_are_told_by_their_detection_limits():
+    """Of steps of -3 and 2 DN with limits of 2 and 4 the larger counts; without a
+    limit, or of unknown truth, there is none."""
+    limits = [
+        SimpleNamespace(name=name, parameter=parameter, strength=strength)
+        for name, parameter, strength in (
+            ("prnu", "sigma", 2.0),
+            ("amplifier_mismatch", "horizontal_offset", 2.0),
+            ("amplifier_mismatch", "vertical_offset", 4.0),
+            ("dust", "density", None),
+            ("dsnu", "sigma", 1.0),
+        )
+    ]
+    expected = {
+        "prnu": {"sigma": 1.0},
+        "amplifier_mismatch": {"horizontal_offset": -3.0, "vertical_offset": 2.0},
+        "dust": {"density": 1.0},
+        "row_noise": {"sigma": 1.0},
+    }
+    found = of_limits(
+        [*expected, "hot_pixels"], expected, SimpleNamespace(detection_limits=limits)
+    )
+    assert found == {"prnu": 0.5, "amplifier_mismatch": 1.5}
+
+
 def record(hidden, names, verdict="explained", before=0.1, after=0.001, **more):
     return {
         **score(hidden, verdict_of(names, verdict, before, after)),
@@ -237,6 +263,16 @@ def dense(names, offs, **more):
                 dense(["prnu"], [], after=0.02),
             ],
             [2 / 5, 1 / 5, 1 / 8, 3 / 5, 0.8, 0.12],
+        ),
+        (
+            "nine",  # of the names missed, one is below its limit, one has none
+            [
+                record(["prnu", "blur"], ["prnu"], of_limits={"blur": 0.9}),
+                record(["prnu", "blur"], ["blur"], of_limits={"prnu": 1.1}),
+                record(["prnu", "blur"], ["blur"]),
+                record(["prnu", "blur"], ["prnu", "blur"]),
+            ],
+            [1 / 4, 1.0, 5 / 8, 5 / 7, 0.99, 0.99],
         ),
         (
             "single",
@@ -303,7 +339,8 @@ def test_the_table_says_what_was_missed_and_how_faint_it_was():
         "number": 7,
         "seconds": 1.0,
         "evidence": {"row_noise": 3.21},
+        "of_limits": {"row_noise": 0.612},
     }
     assert table("single", [record]).endswith(
-        "case 7: missed row_noise, 3.2 nats in what decides"
+        "case 7: missed row_noise, 3.2 nats in what decides, 0.61 of its limit"
     )
