@@ -159,18 +159,9 @@ def selection(
         if gains.get(JUMPS, 0.0) > least:
             of_core = shapes.read_noise(variance, shapes.cores)
             gains["read_noise"] = of_core or gains["read_noise"]
-        if gains.get(TAILS, 0.0) > least and shapes.most[1] is not None:
-            # A profile's noise is that of most draws, or of more, up to all; and few
-            # frames lack the rarest and widest, which may add as much as tails do.
-            kept, most = (
-                validation.theta[places["read_noise"]].mean(),
-                shapes.most[1][0],
-            )
-            seen = float(kept) * (shapes.whole[0] + CI95 * shapes.whole[1])
-            of_most = shapes.read_noise(variance, shapes.most)
-            total = seen + max(seen - most, 0.0)
-            nothing = 0.0 if most < variance < total else np.inf
-            gains["read_noise"] = min(of_most or np.inf, nothing, gains["read_noise"])
+        if gains.get(TAILS, 0.0) > least:
+            of_tails = _beside_tails(validation, places["read_noise"], variance, shapes)
+            gains["read_noise"] = min(of_tails, gains["read_noise"])
     unnamed = {}
     for name in UNNAMED:
         own = parameters.are([name]) & known
@@ -178,6 +169,28 @@ def selection(
             unnamed[name] = gain_of(own, training.theta, validation, profile, least)
     of_levels = tuple(levels)
     return Selection(gains, training, validation, unnamed, unsure, of_levels, alike)
+
+
+def _beside_tails(
+    validation: Fit, own: NDArray[np.bool_], profile: float, shapes: Shapes
+) -> float:
+    """Return the nats that read noise may gain where it has tails. own : (n,), its
+    parameters. profile : DN^2.
+
+    A profile's noise is that of most draws, or of more, up to all; and few frames lack
+    the rarest and widest, which may add as much as tails do."""
+    kept = float(validation.theta[own].mean())
+    whole, error = shapes.whole
+    if shapes.most[1] is None:  # codes are few: only all draws together are known
+        chance = (
+            validation.variance_of(own / own.sum()) * whole**2 + (kept * error) ** 2
+        )
+        return (kept * whole - profile) ** 2 / chance / 2
+    most = shapes.most[1][0]
+    seen = kept * (whole + CI95 * error)
+    if most < profile < seen + max(seen - most, 0.0):
+        return 0.0
+    return shapes.read_noise(profile, shapes.most) or np.inf
 
 
 def _may_gain(fit: Fit, own: NDArray[np.bool_], profile: Array, least: float) -> bool:
