@@ -147,12 +147,14 @@ class Scratch:
             "COVERAGE_PROCESS_START": str(self.folder / "rc"),
         }
         self.pytest([test_file, "-p", "mutants"], MEASURING, True, **variables)
-        seconds, failed = defaultdict(float), set()
+        seconds, failed, skipped = defaultdict(float), set(), set()
         for line in log.read_text().splitlines():
             test, outcome, duration = json.loads(line)
             seconds[test] += duration
             if outcome != "passed":
                 failed.add(test)
+            if outcome == "skipped":
+                skipped.add(test)
         tests = {test: s for test, s in seconds.items() if test not in failed}
         lines: dict = defaultdict(lambda: defaultdict(set))
         for file in self.folder.glob("coverage.*"):
@@ -168,6 +170,7 @@ class Scratch:
             file.unlink()
         return {
             "tests": tests,
+            "failed": len(failed - skipped),
             "lines": {
                 source: {test: sorted(some) for test, some in of.items()}
                 for source, of in lines.items()
@@ -189,6 +192,8 @@ class Coverage:
             record = json.loads(kept.read_text()) if kept.exists() else None
             if record is None or not self.is_current(scratch, test_file, record):
                 record = scratch.measure(test_file)
+                if failed := record.pop("failed"):
+                    print(f"{test_file}: {failed} tests fail without a fault", flush=True)
                 record["digests"] = self.digests_of(scratch, test_file, record)
                 kept.write_text(json.dumps(record))
             self.seconds |= record["tests"]
