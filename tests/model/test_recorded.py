@@ -10,6 +10,7 @@ from cg2raw.model.recorded import (
     Offsets,
     Profiles,
     Recording,
+    _with_ends,
     differences,
     fine_records,
     recorded,
@@ -44,6 +45,19 @@ def test_codes_of_black_at_zero_are_cut():
     (mean,), (variance,) = recorded(np.array([0.0]), 50.0**2, 10**6)
     assert mean == pytest.approx(50 / np.sqrt(2 * np.pi), rel=1e-3)
     assert variance == pytest.approx((0.5 - 0.5 / np.pi) * 50**2, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("sigma", "steps"), [(0.2, 128), (0.6, 64), (0.8, 64), (3.0, 16)]
+)
+def test_a_grid_has_the_moments_of_its_signals(sigma, steps):
+    """From below 0 to above white; fine codes have theirs within 1e-4."""
+    grid = np.linspace(-20, 90, 110 * steps + 1)
+    found = _with_ends(-20, 90, steps, sigma**2, 64)
+    for own, other in zip(found, recorded(grid, sigma**2, 64), strict=True):
+        most = 1e-10 if sigma**2 < 0.54 else 1e-4
+        np.testing.assert_allclose(own, other, rtol=0, atol=most)
+        np.testing.assert_allclose(own[grid < 2], other[grid < 2], rtol=0, atol=1e-10)
 
 
 def test_white_is_the_mirror_of_zero():

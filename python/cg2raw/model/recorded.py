@@ -23,6 +23,7 @@ from cg2raw.statistics.constant import PLACES, Array
 # of Sheppard's series (W. Sheppard, 1898).
 FINE = 0.54
 FEW_CODES = 1.5  # DN^2. Below, the law of single draws is that of their codes
+FAR = 100  # codes from 0 and white, where these are not felt
 REACH = 7  # sigma: beyond, a normal distribution has 3e-12
 # Places per DN and per sigma, the fewer of both: between them moments are linear.
 STEPS, STEPS_PER_SIGMA = 128, 32
@@ -45,28 +46,47 @@ def recorded(mean: Array, variance: float, white: int) -> tuple[Array, Array]:
     """Return mean, DN, and variance, DN^2, of the codes of signals of the same noise.
 
     mean : (N,) DN, before rounding. variance : DN^2, above 0. white : DN."""
+    return _moments(*_law(mean, variance), white)
+
+
+def _law(mean: Array, variance: float) -> tuple[Array, Array]:
+    """Return (N, codes) the codes that signals may have, and how probable each is."""
     mean, sigma = np.asarray(mean, float)[:, None], np.sqrt(variance)
     reach = int(np.ceil(REACH * sigma)) + 1
-    codes = np.rint(mean) + np.arange(-reach, reach + 1)
+    codes: Array = np.rint(mean) + np.arange(-reach, reach + 1)
     below = ndtr((codes + 0.5 - mean) / sigma)
     below[:, -1] = 1.0
-    share = np.diff(below, axis=1, prepend=0.0)
+    share: Array = np.diff(below, axis=1, prepend=0.0)
+    return codes, share
+
+
+def _moments(codes: Array, share: Array, white: int) -> tuple[Array, Array]:
+    """Return mean and variance, (...,), of codes that end at 0 and white."""
     codes = np.clip(codes, 0, white)
-    first = (share * codes).sum(axis=1)
-    rest = codes - first[:, None]
-    return first, np.maximum((share * rest**2).sum(axis=1), 1e-12)
+    first: Array = (share * codes).sum(axis=-1)
+    rest = codes - first[..., None]
+    return first, np.maximum((share * rest**2).sum(axis=-1), 1e-12)
 
 
-def _with_ends(grid: Array, variance: float, white: int) -> tuple[Array, Array]:
-    """Return what recorded does. grid : (N,) DN. What is far from 0 and white has the
-    moments of fine codes, where noise is not below FINE."""
+def _with_ends(
+    low: int, high: int, steps: int, variance: float, white: int
+) -> tuple[Array, Array]:
+    """Return what recorded does of a grid from low to high, of so many steps per DN.
+    What is far from 0 and white is of each code as of the next, and has the moments of
+    fine codes where noise is not below FINE."""
+    whole, part = np.arange(low, high + 1.0)[:, None], np.arange(steps) / steps
+    codes, share = _law(part, variance)
+    mean, of_codes = part, np.full(steps, variance + ROUNDING)
     if variance <= FINE:
-        return recorded(grid, variance, white)
-    reach = REACH * np.sqrt(variance) + 1
-    near = (grid < reach) | (grid > white - reach)
-    mean, of_codes = grid.copy(), np.full(len(grid), variance + ROUNDING)
-    mean[near], of_codes[near] = recorded(grid[near], variance, white)
-    return mean, of_codes
+        mean, of_codes = _moments(codes + FAR, share, 2 * FAR)
+        mean = mean - FAR
+    mean, of_codes = whole + mean, np.tile(of_codes, (len(whole), 1))
+    reach = REACH * np.sqrt(variance) + 2
+    near = ((whole < reach) | (whole > white - reach))[:, 0]
+    ends = whole[near][:, None] + codes
+    mean[near], of_codes[near] = _moments(ends, share, white)
+    count = (high - low) * steps + 1
+    return mean.ravel()[:count], of_codes.ravel()[:count]
 
 
 def differences(
@@ -302,16 +322,17 @@ class _Codes:
         self.inside, noise = inside, offsets.noise
         if inside:
             self.grid = np.linspace(0, 1, STEPS + 1)
-            far, self.variance = recorded(self.grid + 100, noise, 200)
-            self.mean = far - 100
+            far, self.variance = recorded(self.grid + FAR, noise, 2 * FAR)
+            self.mean = far - FAR
             self.room = np.linspace(-1, 2, 3 * STEPS // 4 + 1)
         else:
             most = REACH * np.sqrt(noise + offsets.lines + offsets.fixed) + 1
             low, high = int(codes.min() - 2 * most) - 1, int(codes.max() + 2 * most) + 1
-            steps = min(STEPS, STEPS_PER_SIGMA / np.sqrt(noise))
-            count = fft.next_fast_len(int((high - low) * steps) + 1, real=True)
-            self.grid = np.linspace(low, high, count + 1)
-            self.mean, self.variance = _with_ends(self.grid, noise, white)
+            high = low + fft.next_fast_len(high - low, real=True)
+            power = math.ceil(np.log2(STEPS_PER_SIGMA / np.sqrt(noise)))
+            steps = min(STEPS, 2 ** max(power, 0))
+            self.grid = np.linspace(low, high, (high - low) * steps + 1)
+            self.mean, self.variance = _with_ends(low, high, steps, noise, white)
             self.room = self.grid[::4]
 
     def of(self, values: Array, at: Array) -> Array:
