@@ -72,7 +72,7 @@ def run_case(case: AnyCase, alpha: float, **limits: Any) -> dict[str, Any]:
     missed = [name for name in case.strengths if name not in record["named"]]
     if missed and not case.without and case.suite != "unknown":
         record["evidence"] = case.evidence(missed)
-        record["of_limits"] = of_limits(missed, case.expected(), found)
+        record["of_limits"] = of_limits(missed, case.expected(), found, captures.sensor)
     if case.suite == "closed-loop":
         record.update(_again(captures, found, alpha))
     return record

@@ -10,6 +10,9 @@ from typing import Any
 import numpy as np
 
 from cg2raw.diagnose.diagnosis import Diagnosis
+from cg2raw.diagnose.effects.registry import listed_parameters
+from cg2raw.diagnose.verdict.profile import OF_SENSOR
+from cg2raw.sensor import Sensor
 from cg2raw.synthetic.strengths import KINDS
 
 # Nats per pixel: less than this is not asked to be seen.
@@ -84,16 +87,20 @@ def of_limits(
     missed: Sequence[str],
     expected: Mapping[str, Mapping[str, float]],
     diagnosis: Diagnosis,
+    sensor: Sensor,
 ) -> dict[str, float]:
-    """Return how strong missed names are, over the detection limit that the report has
-    for them: the largest of their parameters. Names without a limit, or whose true
-    values are not known, are left out. expected : as of errors."""
+    """Return how strong missed names are beyond the profile, over the detection limit
+    that the report has for them: the largest of their parameters. Names without a
+    limit, or whose true values are not known, are left out. expected : as of errors.
+    sensor : the profile."""
     found: dict[str, float] = {}
     for limit in diagnosis.detection_limits:
-        truth = expected.get(limit.name, {}).get(limit.parameter)
-        if limit.name in missed and limit.strength and truth is not None:
-            known = found.get(limit.name, 0.0)
-            found[limit.name] = max(known, abs(truth) / limit.strength)
+        name, truth = limit.name, expected.get(limit.name, {}).get(limit.parameter)
+        if name in missed and limit.strength and truth is not None:
+            stated = listed_parameters(sensor, name) or {}
+            before = stated.get(limit.parameter, 0.0) if name in OF_SENSOR else 0.0
+            ratio = abs(truth - before) / limit.strength
+            found[name] = max(found.get(name, 0.0), ratio)
     return found
 
 

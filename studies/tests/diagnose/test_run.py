@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 import cg2raw.diagnose
+from cg2raw import Sensor
 from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS
 from studies.diagnose import frozen, gates
 from studies.diagnose import run as command
@@ -39,6 +40,7 @@ def verdict_of(names, verdict="explained", before=0.1, after=0.001):
         effects=effects[::-1],
         gap=gap,
         unexplained=[],
+        detection_limits=[],
         seconds=1.0,
         time_limit_reached=False,
     )
@@ -213,10 +215,12 @@ def test_missed_names_are_told_by_their_detection_limits():
         "dust": {"density": 1.0},
         "row_noise": {"sigma": 1.0},
     }
-    found = of_limits(
-        [*expected, "hot_pixels"], expected, SimpleNamespace(detection_limits=limits)
-    )
-    assert found == {"prnu": 0.5, "amplifier_mismatch": 1.5}
+    diagnosis = SimpleNamespace(detection_limits=limits)
+    missed = [*expected, "hot_pixels"]
+    assert of_limits(missed, expected, diagnosis, Sensor("canon-70d")) == {
+        "prnu": 0.5,
+        "amplifier_mismatch": 1.5,
+    }
 
 
 def record(hidden, names, verdict="explained", before=0.1, after=0.001, **more):
