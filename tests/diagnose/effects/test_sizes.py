@@ -70,13 +70,10 @@ def test_corners_that_are_brighter_than_the_middle_gain(gains, words):
     """No corner is told a loss of minus something where all of them gain."""
     zeros = dict.fromkeys(effect("lens_shading").parameters, 0.0)
     values = estimates("lens_shading", ({**zeros, **gains}).values())
-    for said in (
-        effect("lens_shading").size(values),
-        effect("lens_shading").size_on(values, sensor_of(width=600, height=400)),
-    ):
-        assert [word in said for word in words] == [True] * len(words), said
-        assert ("-" in said) == ("a corner gains" in words), said
-        assert [corner in said for corner in CORNERS] == [True] * 4
+    said = effect("lens_shading").size_on(values, sensor_of(width=600, height=400))
+    assert [word in said for word in words] == [True] * len(words), said
+    assert ("-" in said) == ("a corner gains" in words), said
+    assert [corner in said for corner in CORNERS] == [True] * 4
 
 
 OF_WHITE = {
@@ -99,12 +96,12 @@ def test_shares_of_white_are_said_in_dn_and_electrons(name):
         dn = 2e-4 * (camera.white_level - camera.black_level[0])
         words = effect(name).size_on(values, camera)
         assert f"{dn:.3g} DN{electrons}" in words and "of white" not in words
-    assert "0.0002 of white" in effect(name).size(values)
 
 
 def test_gains_of_pixels_are_no_share_of_white():
     values = {"sigma": Estimate(0.006, "1", (0.005, 0.007))}
-    assert effect("prnu").size(values) == "standard deviation 0.6 % of the signal"
+    said = effect("prnu").size_on(values, sensor_of())
+    assert said == "standard deviation 0.6 % of the signal"
 
 
 @pytest.mark.parametrize(("ring", "percent"), [(1, 90), (2, 80), (4, 100), (9, 90)])

@@ -22,14 +22,8 @@ class AmplifierGlow(Effect):
         "dark_current": "One long dark: dark current lifts all of it evenly.",
     }
 
-    def size(self, values: Estimates) -> str:
-        return self.words(values, None)
-
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
-        return self.words(values, sensor)
-
-    def words(self, values: Estimates, sensor: Sensor | None) -> str:
-        """Return rate, place and extent; the rate in the units of a sensor."""
+        """Return rate, place and extent; the rate in DN."""
         rate = of_white(value_of(values, "per_second"), sensor)
         places = (value_of(values, "row"), value_of(values, "column"))
         down, across = (f"{place:+.2f}" for place in places)

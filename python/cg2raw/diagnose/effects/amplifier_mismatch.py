@@ -26,14 +26,8 @@ class AmplifierMismatch(Effect):
         "amplifiers, from light that falls off smoothly.",
     }
 
-    def size(self, values: Estimates) -> str:
-        return self.words(values, None)
-
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
-        return self.words(values, sensor)
-
-    def words(self, values: Estimates, sensor: Sensor | None) -> str:
-        """Return each step, of black levels in the units of a sensor."""
+        """Return each step, of black levels in DN."""
         parts = []
         for way, halves in HALVES.items():
             steps = [

@@ -48,7 +48,7 @@ class DarkCurrentNonuniformity(FixedPattern):
         of_one = np.exp(1.5 * square) * np.expm1(square) ** 2 * (np.exp(square) + 2)
         return float((stated["rate"] * seconds) ** 3 * of_one)
 
-    def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
+    def size_in(self, values: Estimates, sensor: Sensor) -> str:
         rate = of_white(value_of(values, "rate"), sensor)
         spread = np.exp(value_of(values, "log_sigma"))
         return (

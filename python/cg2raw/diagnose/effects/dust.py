@@ -20,7 +20,7 @@ class Dust(FixedPattern):
         "from each to the next.",
     }
 
-    def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
+    def size_in(self, values: Estimates, sensor: Sensor) -> str:
         depth, radius = (value_of(values, name) for name in ("depth", "radius"))
         return (
             f"{value_of(values, 'density'):.3g} spots per megapixel take "

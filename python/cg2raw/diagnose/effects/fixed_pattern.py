@@ -54,9 +54,6 @@ class FixedPattern(Effect):
         found, by_profile = (self.size_in(v, sensor) for v in (values, of_profile))
         return f"{found}; by the profile, {by_profile}"
 
-    def size(self, values: Estimates) -> str:
-        return self.size_in(values, None)
-
-    def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
-        """Return the same in the units of a sensor, if it is known."""
+    def size_in(self, values: Estimates, sensor: Sensor) -> str:
+        """Return how strong it is by these values alone, in the sensor's units."""
         return f"standard deviation {of_white(value_of(values, 'sigma'), sensor)}"

@@ -22,7 +22,7 @@ class HotPixels(FixedPattern):
         "time.",
     }
 
-    def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
+    def size_in(self, values: Estimates, sensor: Sensor) -> str:
         rate = of_white(value_of(values, "rate"), sensor)
         share = percent(value_of(values, "fraction"))
         return f"{share} of the pixels are hot, by {rate} per second on average"

@@ -28,7 +28,6 @@ TURNING = {
     if (power, angles) != (3, 1)
     for wave in ("cos", "sin")
 }
-SHAPE = (2, 3)  # of a frame whose sensor is not known
 CORNERS = ("top left", "top right", "bottom left", "bottom right")
 
 
@@ -44,9 +43,6 @@ class LensShading(Effect):
         "veiling_glare": "Flats at two levels and a scene with a bright area: glare "
         "adds to dark regions what the bright ones give, shading multiplies.",
     }
-
-    def size(self, values: Estimates) -> str:
-        return corner_words(corner_losses(values, SHAPE))
 
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
         return corner_words(corner_losses(values, (sensor.height, sensor.width)))

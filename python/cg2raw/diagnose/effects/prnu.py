@@ -24,7 +24,7 @@ class Prnu(FixedPattern):
     ) -> Array:
         return np.asarray((stated["sigma"] * light) ** 2)
 
-    def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
+    def size_in(self, values: Estimates, sensor: Sensor) -> str:
         return f"standard deviation {percent(value_of(values, 'sigma'))} of the signal"
 
 

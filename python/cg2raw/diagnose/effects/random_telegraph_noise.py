@@ -31,7 +31,7 @@ class RandomTelegraphNoise(FixedPattern):
         """Of pixels that jump by an exponential step, half of the time up."""
         return stated["fraction"] * stated["amplitude"] ** 2 / 2
 
-    def size_in(self, values: Estimates, sensor: Sensor | None) -> str:
+    def size_in(self, values: Estimates, sensor: Sensor) -> str:
         amplitude = of_white(value_of(values, "amplitude"), sensor)
         return (
             f"{percent(value_of(values, 'fraction'))} of the pixels jump by "

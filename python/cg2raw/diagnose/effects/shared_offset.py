@@ -35,8 +35,5 @@ class SharedOffset(Effect):
         listed = listed_values(sensor, self.name)
         return listed[0] if listed else 0.0
 
-    def size(self, values: Estimates) -> str:
-        return f"standard deviation {of_white(value_of(values, 'sigma'), None)}"
-
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
         return f"standard deviation {of_white(value_of(values, 'sigma'), sensor)}"

@@ -18,13 +18,10 @@ def percent(x: float) -> str:
     return f"{100 * x:.3g} %"
 
 
-def of_white(share: float, sensor: Sensor | None) -> str:
-    """Return a share of white in words: of a sensor in DN, and in electrons if its
-    profile has the noise of one ISO."""
-    if sensor is None:
-        return f"{share:.3g} of white"
-    span = sensor.signal_range
-    words = f"{share * span:.3g} DN"
+def of_white(share: float, sensor: Sensor) -> str:
+    """Return a share of white in words: in DN, and in electrons if the profile has the
+    noise of one ISO."""
+    words = f"{share * sensor.signal_range:.3g} DN"
     electron = float(np.mean(sensor.noise[0]["beta1"])) if len(sensor.noise) == 1 else 0
     return f"{words} ({share / electron:.3g} e-)" if electron > 0 else words
 
