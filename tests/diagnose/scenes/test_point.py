@@ -55,7 +55,7 @@ def test_derivatives_are_those_of_the_prediction(given):
             columns = derivatives(point, effect)
             assert len(columns) == len(effect.used)
             for k, column in zip(np.flatnonzero(effect.is_used), columns, strict=True):
-                step = 2 * effect.steps[k]
+                step = 2 * effect.step
                 ends = []
                 for sign in (-1, 1):
                     moved = values.copy()

@@ -52,7 +52,7 @@ class Effect:
     of_images : images tell it apart from others where flats do not.
     fitted : parameters that are fitted, if they are not the registry's own.
     bounds : narrower than the registry's, by the beginning of a parameter's name.
-    step, steps_of : of numerical derivatives, and of those of some parameters.
+    step : of numerical derivatives.
     affine : means are, in its parameters.
     shapes : parameters that say nothing where all others are 0.
     signature : what it changes, for the captures that discriminate it from others (see
@@ -71,7 +71,6 @@ class Effect:
     fitted: ClassVar[tuple[Parameter, ...]] = ()
     bounds: ClassVar[Mapping[str, tuple[float, float]]] = {}
     step: ClassVar[float] = 1e-3
-    steps_of: ClassVar[Mapping[str, float]] = {}
     affine: ClassVar[bool] = True
     shapes: ClassVar[frozenset[str]] = frozenset()
     signature: ClassVar[frozenset[str]] = frozenset()
@@ -209,17 +208,9 @@ class Effect:
     def high(self) -> Values:
         return np.array([parameter.high for parameter in self._fitted], float)
 
-    @cached_property
-    def steps(self) -> Values:
-        return np.array([self.steps_of.get(n, self.step) for n in self.parameters])
-
     @property
     def null(self) -> Values:
         return np.zeros(len(self._fitted))
-
-    def added(self, listed: Values, values: Values) -> Values:
-        """Return what a profile's values and those found on top of them make."""
-        return listed + values
 
     def clipped(self, values: Values) -> Values:
         """Return values within the bounds of the fit."""
@@ -232,13 +223,8 @@ class Effect:
     def within_registry_bounds(self, values: Values) -> Values:
         """Return values within the bounds of the registry: a found value and the
         profile's are each within them, and their sum need not be."""
-        return np.clip(values, *self.registry_bounds)
-
-    @property
-    def registry_bounds(self) -> tuple[Values, Values]:
-        """The registry's least and largest values."""
         low, high = ([p[end] for p in self._known] for end in ("min", "max"))
-        return np.array(low, float), np.array(high, float)
+        return np.clip(values, low, high)
 
     @cached_property
     def _fitted(self) -> tuple[Parameter, ...]:

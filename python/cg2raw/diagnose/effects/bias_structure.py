@@ -16,8 +16,6 @@ class BiasStructure(Effect):
     of_mean = False
     signature = frozenset({"offset"})
     told_apart = {
-        "amplifier_glow": "Darks of two exposure times: what an amplifier's light "
-        "leaves grows with time, a bias structure does not.",
         "black_level": "One dark: a black level lifts it evenly.",
     }
 

@@ -3,10 +3,7 @@
 
 """DSNU: pixels of unequal offset."""
 
-from collections.abc import Mapping
-
 from cg2raw.diagnose.effects.fixed_pattern import FixedPattern
-from cg2raw.diagnose.frames.tiling import Array
 
 
 class Dsnu(FixedPattern):
@@ -17,11 +14,6 @@ class Dsnu(FixedPattern):
         "prnu": "Darks and flats: DSNU is there without light, PRNU is in proportion "
         "to it.",
     }
-
-    def pattern_variance(
-        self, stated: Mapping[str, float], light: Array, seconds: float
-    ) -> float:
-        return stated["sigma"] ** 2
 
 
 EFFECT = Dsnu()

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.base import Effect, Estimates
-from cg2raw.diagnose.effects.registry import listed_parameters, registered
+from cg2raw.diagnose.effects.registry import listed_parameters, unit_of
 from cg2raw.diagnose.effects.sizes import of_white, value_of
 from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.sensor import Sensor
@@ -25,8 +25,8 @@ class FixedPattern(Effect):
         self, stated: Mapping[str, float], light: Array, seconds: float
     ) -> Array | float:
         """Return the variance of what it adds to pixels, by its law, of signals of
-        @light (T, h, w) and an exposure time."""
-        return 0.0
+        @light (T, h, w) and an exposure time: of offsets, if a sigma is stated."""
+        return stated.get("sigma", 0.0) ** 2
 
     def pattern_mean(self, stated: Mapping[str, float], seconds: float) -> float:
         """Return the mean of what it adds to pixels in an exposure time."""
@@ -44,11 +44,8 @@ class FixedPattern(Effect):
         stated = listed_parameters(sensor, self.name)
         if stated is None:
             return self.size_in(values, sensor)
-        units = {
-            p["name"]: p["unit"] for p in registered(self.cfa)[self.name]["parameters"]
-        }
         of_profile = {
-            name: Estimate(value, units[name], (value, value))
+            name: Estimate(value, unit_of(self.name, name, self.cfa), (value, value))
             for name, value in stated.items()
         }
         found, by_profile = (self.size_in(v, sensor) for v in (values, of_profile))

@@ -15,7 +15,6 @@ from cg2raw.diagnose.effects.interval_curve import CURVE_POINTS, curve_with_inte
 from cg2raw.diagnose.effects.sizes import percent, value_of
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.prediction import Prediction
-from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.sensor import Sensor
 
 CURVE_RINGS = 20
@@ -72,13 +71,6 @@ def _ring(frame: Frame, p: Prediction) -> NDArray[np.int64]:
     return np.minimum(rings, CURVE_RINGS - 1)
 
 
-def _turning(name: str, u: Array, v: Array, over: int = 0) -> Array:
-    """Return the term of a parameter at places, over a power of the radius."""
-    power, angles, wave = TURNING[name]
-    turned = {"cos": np.cos, "sin": np.sin}[wave](angles * np.arctan2(v, u))
-    return np.asarray(np.hypot(u, v) ** (power - over) * turned)
-
-
 def corner_words(losses: Sequence[float]) -> str:
     """Return what the CORNERS lose or gain, each of them."""
     gains = max(losses) < 0
@@ -103,8 +95,10 @@ def corner_losses(values: Estimates, shape: tuple[int, int]) -> list[float]:
     losses = []
     for down, right in product((-1, 1), repeat=2):
         gain = even + right * u * x + down * v * y
-        for name in TURNING:
-            gain += value_of(values, name) * _turning(name, right * u, down * v)
+        radius, angle = np.hypot(right * u, down * v), np.arctan2(down * v, right * u)
+        for name, (power, angles, wave) in TURNING.items():
+            turned = {"cos": np.cos, "sin": np.sin}[wave](angles * angle)
+            gain += value_of(values, name) * (radius**power * turned)
         losses.append(float(-gain))
     return losses
 

@@ -23,6 +23,12 @@ def registered(cfa: str | None = None) -> Mapping[str, Mapping[str, Any]]:
     return {effect["name"]: effect for effect in _core.effects(of)}
 
 
+def unit_of(name: str, parameter: str, cfa: str | None) -> str:
+    """Return the unit of an effect's parameter; "1" where the registry has none."""
+    known = registered(cfa)[name]["parameters"]
+    return next((p["unit"] for p in known if p["name"] == parameter), "1")
+
+
 def listed_values(sensor: Sensor, name: str) -> tuple[float, ...] | None:
     """Return the parameters of an effect that a profile lists, in the registry's order;
     None if it does not."""

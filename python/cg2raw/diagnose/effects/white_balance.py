@@ -4,6 +4,7 @@
 """White balance: gains of red and blue."""
 
 from cg2raw.diagnose.effects.base import Effect, Estimates
+from cg2raw.diagnose.effects.exposure import KNOWN_LIGHT
 from cg2raw.diagnose.effects.sizes import value_of
 
 
@@ -12,10 +13,7 @@ class WhiteBalance(Effect):
     title = "white balance"
     where = "in proportion to signal, in red and blue, greys too"
     signature = frozenset({"mixer"})
-    told_apart = {
-        "gr_gb_imbalance": "A flat under a known light: exposure moves all colours "
-        "alike.",
-    }
+    told_apart = {"gr_gb_imbalance": KNOWN_LIGHT}
 
     def size(self, values: Estimates) -> str:
         return (

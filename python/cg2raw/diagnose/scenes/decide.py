@@ -299,7 +299,7 @@ class Scenes:
         """Return all values of an effect, on top of the profile's."""
         stated = self.model.profile_parameters.get(one.name)
         listed = one.null if stated is None else np.array([*stated.values()])
-        return one.added(listed, one.with_used(theta[self.space.slices[one.name]]))
+        return listed + one.with_used(theta[self.space.slices[one.name]])
 
     def _likeliest(self, names: Collection[str]) -> Array:
         """Return theta (P,) of most likelihood of some effects, 0 of all others."""

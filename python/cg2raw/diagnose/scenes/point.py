@@ -276,7 +276,7 @@ def derivative(point: Point, effect: Effect, number: int) -> Array:
     """Return that by one parameter of an effect, (T, h, w)."""
     term = point.model.term(effect.name)
     moved = effect.null if term is None else term.values.copy()
-    step = effect.steps[number]
+    step = effect.step
     moved[number] += step
     ahead = mean_of(point.model.with_effect(effect, moved), point.frame)
     if effect.affine:

@@ -41,9 +41,7 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
     for term in model.terms:
         if term.effect.predicted:
             old = np.array(listed.get(term.name, term.effect.null))
-            bounded = term.effect.within_registry_bounds(
-                term.effect.added(old, term.values)
-            )
+            bounded = term.effect.within_registry_bounds(old + term.values)
             listed[term.name] = bounded.tolist()
     sites = len(sites_of(model.sensor.cfa))
     if sites not in (BAYER, MONO):

@@ -24,7 +24,7 @@ from cg2raw.diagnose.diagnosis import (
     Gap,
 )
 from cg2raw.diagnose.effects.catalogue import candidates
-from cg2raw.diagnose.effects.registry import registered
+from cg2raw.diagnose.effects.registry import unit_of
 from cg2raw.diagnose.verdict.charts import charts_of
 from cg2raw.diagnose.verdict.findings import (
     deciding_captures,
@@ -260,15 +260,10 @@ def _findings(
     found: DarksAndFlats, chosen: Sequence[str], is_provisional: bool
 ) -> list[Finding]:
     sensor = found.captures.sensor
-    units = {
-        (name, p["name"]): p["unit"]
-        for name, known in registered(sensor.cfa).items()
-        for p in known["parameters"]
-    }
     values: dict[str, dict[str, Estimate]] = {name: {} for name in chosen}
     for one in values_of(found, chosen):
         if one.effect in values:
-            unit = units.get((one.effect, one.parameter), "1")
+            unit = unit_of(one.effect, one.parameter, sensor.cfa)
             values[one.effect][one.parameter] = Estimate(
                 one.value, unit, (one.low, one.high)
             )

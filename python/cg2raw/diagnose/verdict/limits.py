@@ -9,7 +9,7 @@ import numpy as np
 
 from cg2raw.diagnose.darks_and_flats import VALIDATION, DarksAndFlats
 from cg2raw.diagnose.diagnosis import DetectionLimit
-from cg2raw.diagnose.effects.registry import registered
+from cg2raw.diagnose.effects.registry import unit_of
 from cg2raw.diagnose.verdict.values import limits_of_levels, of_amplifiers
 from cg2raw.model.values import Value, effect_values
 from cg2raw.normal import CI95
@@ -34,14 +34,10 @@ def detection_limits(
         if one.effect in named:
             continue
         unsure = selected.unsure.get(one.effect, 0.0) / white
-        units = {
-            p["name"]: p["unit"]
-            for p in registered(sensor.cfa)[one.effect]["parameters"]
-        }
         strength = root * np.hypot(_error_of(one), unsure)
         if one.parameter == "sigma":
             strength = np.sqrt(strength)
-        unit = units.get(one.parameter, "1")
+        unit = unit_of(one.effect, one.parameter, sensor.cfa)
         yield DetectionLimit(one.effect, one.parameter, float(strength), unit)
 
 
