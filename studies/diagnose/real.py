@@ -15,7 +15,7 @@ from numpy.random import Generator
 
 from cg2raw.calibration import UniformFrame, calibrate
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
-from cg2raw.diagnose.captures.frame import Frame
+from cg2raw.diagnose.captures.manifest import Frame
 from cg2raw.diagnose.captures.reader import divided, read_frames, stratum
 from cg2raw.diagnose.effects import catalogue
 from cg2raw.diagnose.effects.catalogue import candidates

@@ -27,7 +27,7 @@ def simulated(
         `by_registry` if not given."""
     draw = simulate or by_registry
     captures = [
-        replace(capture, raw=partial(draw, sensor, capture, number), log_density=None)
+        replace(capture, raw=partial(draw, sensor, capture, number))
         for number, capture in enumerate(capture_set.captures)
     ]
     return replace(

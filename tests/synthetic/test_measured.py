@@ -74,15 +74,6 @@ def test_a_transmission_multiplies_the_light_alone():
         if one.kind != "scene":
             columns = (expected - b).mean(0) / (b.std() + 1e-9)
             assert abs(columns).max() < 0.5
-        assert other.log_density is not None
-
-
-def test_the_density_of_measured_noise_is_not_known():
-    measured = Measured(read_noise=ReadNoise(0.1, 1.0, 0.0))
-    frames = simulate_captures(
-        drawn_sensor(3), {}, seed=3, shape=SHAPE, measured=measured
-    )
-    assert all(one.log_density is None for one in frames.captures)
 
 
 @pytest.mark.parametrize("field", [np.ones((8, 8)), np.full(SHAPE, -0.1)])

@@ -56,13 +56,11 @@ def simulate_captures(
     measured : a real lens or read noise that is hidden too.
     twice : darks and flats are taken twice, as scenes are: 12 frames per group.
 
-    log_density of the captures is that of the model that drew them, which knows the
-    nuisances too; None where its read noise was measured. Raises ValueError."""
+    Raises ValueError."""
     iso = noise_iso(sensor, iso)
     source = synthetic_camera_of(
         sensor, hidden, seed, shape, illuminant, iso, nuisances, measured, twice
     )
-    known = not (measured and measured.read_noise)
     captures = [
         Capture(
             name=shot.name,
@@ -75,7 +73,6 @@ def simulate_captures(
             exposure_time=shot.seconds,
             raw=partial(source.raw, shot),
             scene=partial(source.render, shot),
-            log_density=partial(source.log_density, shot) if known else None,
         )
         for shot in plan(seed, groups, twice)
     ]

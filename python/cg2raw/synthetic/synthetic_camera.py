@@ -211,7 +211,8 @@ class SyntheticCamera:
         return read_out(rng, expected, foot, self.noise, self.camera, reader)
 
     def log_density(self, shot: Shot) -> NDArray[np.float32]:
-        """Return (H, W) nats per pixel, 1 DN the unit, of the model that drew a frame.
+        """Return (H, W) nats per pixel, 1 DN the unit, of the model that drew a frame,
+        which knows the nuisances too, and no read noise that was measured.
 
         Patterns of the sensor are known to it in the fit frames; in others as far as
         the fit frames tell (posterior.py). Of traps it knows steps, and no state."""

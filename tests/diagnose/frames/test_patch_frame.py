@@ -34,7 +34,6 @@ def means_of(mean, side=0, count=400.0, known=True):
         mean=mean,
         side=np.broadcast_to(side, (3, 4)).copy(),
         count=np.full(3, count),
-        sd=np.full((3, 4), np.nan),
         level_known=known,
     )
 

@@ -79,8 +79,6 @@ class Capture:
         so that 1 is the model's white level: (H, W, 3) float32, or (3,) where it is
         uniform. None if it is unknown; zeros for a dark.
     mask : () -> (H, W) bool, True where a pixel counts; None where all do.
-    log_density : () -> (H, W) float32, nats per pixel that the true model gives; known
-        of simulated captures only.
     digest : of the bytes of its file; "" where there is none.
     divided : it is one of three captures of one frame, a group each by its mask.
     means : of a chart without pixels, in the place of raw and scene; shape is (P, 4).
@@ -98,7 +96,6 @@ class Capture:
     scene: Callable[[], FloatImage] | None
     mask: Callable[[], NDArray[np.bool_]] | None = None
     as_shot: Sequence[float] | None = None
-    log_density: Callable[[], NDArray[np.float32]] | None = None
     temperature: float | None = None
     means: PatchMeans | None = None
     digest: str = ""

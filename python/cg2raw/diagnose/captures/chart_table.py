@@ -6,6 +6,7 @@
 import os
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,6 @@ from cg2raw.diagnose.captures.chart import (
     rec709_of,
     xyz_from_lab,
 )
-from cg2raw.diagnose.captures.frame import TableFile
 from cg2raw.diagnose.captures.manifest import FrameEntry
 from cg2raw.diagnose.captures.manifest_charts import MOST_LAB, MOST_RADIANCE, Patch
 from cg2raw.diagnose.captures.patch_means import (
@@ -29,13 +29,20 @@ from cg2raw.diagnose.captures.patch_means import (
     with_bounds,
 )
 from cg2raw.io.raw_checks import some
-from cg2raw.io.raw_header import Area, RawHeader
+from cg2raw.io.raw_header import Area, RawFile, RawHeader
 from cg2raw.sensor import Sensor
 
 LONE_COUNT = 1.0  # pixels of a mean that nobody counted: it has the noise of one
 SPACES = {"rgb": ("r", "g", "b"), "xyz": ("X", "Y", "Z"), "lab": ("L", "a", "b")}
 
 Levels = NDArray[np.float64]  # (4,), DN at the sites R, G1, G2 and B
+
+
+@dataclass(frozen=True)
+class TableFile(RawFile):
+    """A table of patch means in the place of a RAW file; it has no pixels to read."""
+
+    means: PatchMeans
 
 
 def table_file(entry: FrameEntry, sensor: Sensor) -> TableFile:
@@ -88,7 +95,6 @@ def patch_means_of(entry: FrameEntry, sensor: Sensor) -> tuple[PatchMeans, list[
         mean=mean * scale + black,
         side=side,
         count=count,
-        sd=table.sd * scale,
         level_known=told.level_known,
     )
     notes = []

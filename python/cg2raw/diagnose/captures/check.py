@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cg2raw import _core
 from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import Capture
-from cg2raw.diagnose.captures.frame import Frame
+from cg2raw.diagnose.captures.manifest import Frame
 from cg2raw.diagnose.captures.quality import (
     Integrity,
     integrity,

@@ -11,8 +11,8 @@ import numpy as np
 
 from cg2raw.cfa import is_mono, repeat_of
 from cg2raw.diagnose.captures.capture import Capture
-from cg2raw.diagnose.captures.frame import Frame, TableFile
-from cg2raw.diagnose.captures.manifest import UNKNOWN, FrameEntry
+from cg2raw.diagnose.captures.chart_table import TableFile
+from cg2raw.diagnose.captures.manifest import UNKNOWN, Frame, FrameEntry
 from cg2raw.diagnose.captures.scene_files import has_curve, image_size, size_words
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.captures.yaml_lines import Value
@@ -229,8 +229,7 @@ def gain_notes(frames: Sequence[Frame], sensor: Sensor) -> list[str]:
 
 def dn_per_electron(sensor: Sensor, iso: float) -> float:
     """Return the system gain that a profile's noise states."""
-    span = sensor.signal_range
-    return float(np.mean(sensor.noise_at(iso)["beta1"])) * span
+    return float(np.mean(sensor.noise_at(iso)["beta1"])) * sensor.signal_range
 
 
 def temperature_notes(frames: Sequence[Frame]) -> list[str]:

@@ -5,9 +5,8 @@
 
 import os
 from dataclasses import dataclass, field
-from typing import get_args
 
-from cg2raw.diagnose.captures.capture import KINDS, NUISANCES, Group, Kind
+from cg2raw.diagnose.captures.capture import KINDS, NUISANCES, Capture, Group, Kind
 from cg2raw.diagnose.captures.manifest_charts import (
     MOST_RADIANCE,
     OF_CHARTS,
@@ -19,9 +18,10 @@ from cg2raw.diagnose.captures.manifest_charts import (
     means_entry,
     patches_of,
 )
+from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.captures.yaml_lines import Value, existing, read_yaml
+from cg2raw.io.raw_header import RawHeader
 
-GROUPS = get_args(Group)
 TOP = (
     *("sensor", "frames", "nuisance", "uncertainty", "mask", "iso", "illuminant"),
     *("temperature", "image"),
@@ -78,6 +78,16 @@ class FrameEntry:
     def fail(self, name: str, message: str) -> None:
         """Raise ValueError at a field of the frame, or at the frame."""
         self.at.get(name, self.at[""]).fail(message)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A frame before it is divided: its Capture, and those of its masked borders."""
+
+    entry: FrameEntry
+    header: RawHeader
+    capture: Capture
+    borders: tuple[Capture, ...]
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,6 @@ class PatchMeans:
     mean : (P, 4) DN; the bound where side is not 0; NaN where nothing is known.
     side : (P, 4) int, -1 where the mean is known to lie below its bound, 1 above.
     count : (P,) pixels of one site that a mean is of.
-    sd : (P, 4) DN, of the pixels; NaN where it was not given.
     level_known : whether the manifest says how bright the chart was."""
 
     names: tuple[str, ...]
@@ -42,7 +41,6 @@ class PatchMeans:
     mean: NDArray[np.float64]
     side: NDArray[np.int64]
     count: NDArray[np.float64]
-    sd: NDArray[np.float64]
     level_known: bool
 
     @property
@@ -61,7 +59,6 @@ class PatchMeans:
             mean=self.mean[ours],
             side=self.side[ours],
             count=self.count[ours],
-            sd=self.sd[ours],
         )
 
 
@@ -71,7 +68,6 @@ class Table:
 
     names: tuple[str, ...]
     mean: NDArray[np.float64]
-    sd: NDArray[np.float64]
     count: NDArray[np.float64]
     cut: tuple[str, ...]
 
@@ -103,10 +99,10 @@ def read_table(path: str, unit: str = "DN") -> Table:
     for row, word in zip(table.rows, cut, strict=True):
         if word and word not in SIDES:
             row.fail(at["cut"], f'is "{word}"; must be low, high or empty')
+    numbers(DEVIATIONS, 0.0, LARGEST[unit])  # checked, and not needed
     return Table(
         names=tuple(seen),
         mean=numbers(SITES, least, LARGEST[unit]),
-        sd=numbers(DEVIATIONS, 0.0, LARGEST[unit]),
         count=numbers(("count",), 1.0, MOST_COUNT)[:, 0],
         cut=cut,
     )

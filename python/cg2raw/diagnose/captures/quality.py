@@ -146,10 +146,10 @@ def level_complaints(found: Integrity, spread: float, sensor: Sensor) -> list[st
 
 def step_of(sensor: Sensor) -> int:
     """Return the DN from one code to the next that a profile states, else 1."""
-    above_black = sensor.signal_range
     for effect in sensor.effects or ():
         if effect["name"] == "quantisation":
-            return max(round(float(effect["parameters"]["step"]) * above_black), 1)
+            step = float(effect["parameters"]["step"]) * sensor.signal_range
+            return max(round(step), 1)
     return 1
 
 

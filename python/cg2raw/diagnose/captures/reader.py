@@ -16,10 +16,10 @@ from cg2raw.cfa import is_mono
 from cg2raw.diagnose.captures import consistency
 from cg2raw.diagnose.captures.capture import KINDS, Capture, CaptureSet, Group
 from cg2raw.diagnose.captures.chart import ColorChecker, PatchChart
-from cg2raw.diagnose.captures.chart_table import table_file
-from cg2raw.diagnose.captures.frame import Frame, TableFile
+from cg2raw.diagnose.captures.chart_table import TableFile, table_file
 from cg2raw.diagnose.captures.manifest import (
     UNKNOWN,
+    Frame,
     FrameEntry,
     Manifest,
     read_manifest,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc, ndtri, stdtrit
 
 from cg2raw.diagnose.captures.capture import Capture
-from cg2raw.diagnose.captures.frame import Frame
+from cg2raw.diagnose.captures.manifest import Frame
 from cg2raw.statistics.codes import ROUNDING
 from cg2raw.statistics.constant import POINT_SIGMAS, ConstantStatistics
 from cg2raw.statistics.temperature import set_points

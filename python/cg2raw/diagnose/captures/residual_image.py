@@ -31,11 +31,13 @@ LEAST_SHARE = 0.05  # of the noise of a block: less than that moves nothing
 
 @dataclass(frozen=True)
 class ResidualImage:
-    """dark, picture : names. share : of the picture's light that the dark has."""
+    """dark, picture : names. share : of the picture's light that the dark has. nats :
+    that it gains."""
 
     dark: str
     picture: str
     share: float
+    nats: float
 
     def __str__(self) -> str:
         return (
@@ -106,17 +108,17 @@ def residual_images(
         left = {one.name: blocks.means[one.name] for one in some}
         while len(left) > 1:  # what one has is missing in the mean of the others
             total = np.sum([*left.values()], axis=0)
-            name, best = max(
+            best = max(
                 (
-                    (name, _best(image, total - image, len(left) - 1, pictures))
+                    _best(name, image, total - image, len(left) - 1, pictures)
                     for name, image in left.items()
                 ),
-                key=lambda one: one[1].nats,
+                key=lambda one: one.nats,
             )
             if best.nats <= least:
                 break
-            found.append(ResidualImage(name, best.picture, best.share))
-            del left[name]
+            found.append(best)
+            del left[best.dark]
     return found
 
 
@@ -164,22 +166,16 @@ def _pictures(captures: Sequence[Capture], blocks: Blocks) -> list[_Picture]:
     return found
 
 
-class _Best(NamedTuple):
-    picture: str = ""
-    share: float = 0.0
-    nats: float = 0.0
-
-
 def _best(
-    dark: Means, others: Means, count: int, pictures: Sequence[_Picture]
-) -> _Best:
+    dark: str, image: Means, others: Means, count: int, pictures: Sequence[_Picture]
+) -> ResidualImage:
     """Return the picture that a dark has most of, beyond the mean of @count others,
-    whose sum is given; nothing where that is too little to move anything."""
-    away = _alone(dark - others / np.float32(count))
+    whose sum is given; none, of 0 nats, where that is too little to move anything."""
+    away = _alone(image - others / np.float32(count))
     scale = robust_deviation(away, 0.0)
     away = np.clip(away, -CUT * scale, CUT * scale)
     noise = scale / math.sqrt(1 + 1 / count)
-    best = _Best()
+    best = ResidualImage(dark, "", 0.0, 0.0)
     for name, light, level in pictures:
         if light.shape != away.shape or not scale:
             continue
@@ -188,7 +184,7 @@ def _best(
         nats = size * share**2 / scale**2 / 2
         matters = share * level > LEAST_SHARE * noise
         if share > 0 and matters and nats > best.nats:
-            best = _Best(name, share, nats)
+            best = ResidualImage(dark, name, share, nats)
     return best
 
 
