@@ -2,14 +2,12 @@
 # Copyright Contributors to the cg2raw Project.
 """What is left is said, and nothing of noise."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from cg2raw.diagnose.diagnosis import STRUCTURE
 from cg2raw.diagnose.scenes.model import Model
-from cg2raw.diagnose.scenes.pictures import Canvas
+from cg2raw.diagnose.scenes.pictures import pictures_of, scale_of
 from cg2raw.diagnose.scenes.point import Excess, point_of
 from cg2raw.diagnose.scenes.predict import predict
 from cg2raw.diagnose.scenes.residuals import Residuals
@@ -100,11 +98,7 @@ def test_what_is_planted_is_said(extra, name):
     ],
 )
 def test_a_large_picture_is_of_cells_of_whole_repeats(shape, cfa, side):
-    capture = SimpleNamespace(name="a", kind="scene")
-    tiles = SimpleNamespace(shape=shape)
-    frame = SimpleNamespace(tiles=tiles, capture=capture, neutral=(1, 1, 1))
-    picture = Canvas(frame, cfa).picture()
-    assert picture.measured.shape == (shape[0] // side, shape[1] // side, 3)
+    assert scale_of(shape, cfa) == side
 
 
 def test_tiles_are_mounted_where_they_lie():
@@ -113,10 +107,10 @@ def test_tiles_are_mounted_where_they_lie():
     rows, cols = np.mgrid[: shape[0], : shape[1]]
     raw = 300 + 20 * rows + 7 * cols
     capture = capture_of(shape=shape, raw=lambda: raw.astype(np.uint16))
-    (frame,) = frames_of(SENSOR, [capture], 16384)
-    canvas, none = Canvas(frame, SENSOR.cfa), np.zeros(frame.signal.shape)
-    canvas.mount(frame, frame.signal, frame.signal, none, none)
-    shown = canvas.picture().measured
+    (view,) = views_of(frames_of(SENSOR, [capture], 16384))
+    point = point_of(view, view.frame, Model(SENSOR), Excess())
+    (picture,) = pictures_of([point], [point])
+    shown = picture.measured
     seen = np.isfinite(shown[..., 1])
     assert 0.05 < seen.mean() < 0.9
     for site, letter in enumerate(SENSOR.cfa):

@@ -170,13 +170,15 @@ def source_of(
     )
 
 
-def _camera_tiles(camera: NDArray[np.float32], tiles: Tiling) -> NDArray[np.float32]:
-    """Return camera RGB as (T, 3, h + 2 margin, w + 2 margin)."""
+def camera_tiles(camera: NDArray[np.float32], tiles: Tiling) -> NDArray[np.float32]:
+    """Return camera RGB as (T, 3, h + 2 margin, w + 2 margin).
+
+    camera : (H, W, 3) of a frame; or a colour, (3,), or one of each tile, (T, 3)."""
     if camera.ndim == 3:
         cut = np.moveaxis(tiles.cut(camera, with_margin=True), -1, 1)
         return np.ascontiguousarray(cut)
     shape = (len(tiles.origins), 3, *tiles.block_size)
-    return np.broadcast_to(camera[None, :, None, None], shape).copy()
+    return np.broadcast_to(camera.reshape(-1, 3, 1, 1), shape).copy()
 
 
 def _keep(source: Source, tiles: Tiling) -> Mask:
@@ -210,7 +212,7 @@ def frame_of(
         planes_of_sites(sensor.cfa, tiles.size, beta)[2]
         for beta in (noise.beta1, noise.beta2)
     )
-    camera, keep = _camera_tiles(source.camera, tiles), _keep(source, tiles)
+    camera, keep = camera_tiles(source.camera, tiles), _keep(source, tiles)
     frame = Frame(
         capture=capture,
         tiles=tiles,
@@ -245,9 +247,8 @@ def with_level_of(frame: Frame, known: Frame) -> Frame:
     ]
     middle = middles if len(colors) == 3 else middles * 3
     color = np.maximum(np.array(middle, np.float32), 0)
-    camera = _camera_tiles(color, frame.tiles)
-    whole = np.ascontiguousarray(np.broadcast_to(color, (64, 64, 3)))
-    glare_context = _core.glare_context(whole)
+    camera = camera_tiles(color, frame.tiles)
+    glare_context = _core.glare_context(np.full((64, 64, 3), color))
     return replace(
         frame,
         camera=camera,

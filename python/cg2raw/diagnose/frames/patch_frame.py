@@ -14,7 +14,7 @@ from cg2raw import _core
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.captures.chart_table import places_of
 from cg2raw.diagnose.captures.patch_means import COLOR_OF_SITE, PatchMeans
-from cg2raw.diagnose.frames.frame import Frame, camera_of, planes_of_sites
+from cg2raw.diagnose.frames.frame import Frame, camera_of, camera_tiles, planes_of_sites
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.frames.tiling import MARGIN, Array, Tiling
 
@@ -39,14 +39,18 @@ def patch_frame_of(
     # A censored pixel lies beyond half a DN from its end; a mean beyond its bound.
     bound = on_sites(means.mean, sensor.cfa) + 0.5 * side
     signal = np.where(np.isfinite(bound), (bound - black) / range_, 0.0)
-    is_free = not is_level_known(capture_set, means)
+    is_free = "exposure" in capture_set.nuisances or not means.level_known
     camera = np.maximum(means.colors @ matrix.T, 0)
     if is_free:
         camera *= brightness(camera, signal, means, sensor.cfa)
-    planes, context = camera_tiles(camera), glare_context(camera)
+    tiles = tiles_of(len(means.names), (sensor.height, sensor.width))
+    planes = camera_tiles(camera.astype(np.float32), tiles)
+    # Nobody said what was around the patches: light with their mean.
+    whole = np.full((WHOLE, WHOLE, 3), camera.mean(axis=0).astype(np.float32))
+    context = _core.glare_context(whole)
     return Frame(
         capture=capture,
-        tiles=tiles_of(len(means.names), (sensor.height, sensor.width)),
+        tiles=tiles,
         signal=signal,
         at_white=side > 0,
         at_zero=side < 0,
@@ -66,11 +70,6 @@ def patch_frame_of(
     )
 
 
-def is_level_known(capture_set: CaptureSet, means: PatchMeans) -> bool:
-    """Return whether the brightness of a chart is not free."""
-    return means.level_known and "exposure" not in capture_set.nuisances
-
-
 def on_sites(values: Array, cfa: str) -> Array:
     """Return (P, 2, 2) at the sites of a Bayer CFA of (P, 4), of R, G1, G2 and B."""
     order = np.argsort(places_of(cfa))
@@ -87,20 +86,6 @@ def brightness(camera: Array, signal: Array, means: PatchMeans, cfa: str) -> flo
     square = float((predicted[used] ** 2).sum())
     found = float((predicted * signal)[used].sum()) / square if square > 0 else 1.0
     return found if found > 0 else 1.0
-
-
-def camera_tiles(camera: Array) -> Array:
-    """Return (P, 3, block, block) float32 of one colour each, (P, 3)."""
-    block = SIDE + 2 * MARGIN
-    planes = camera.astype(np.float32)[:, :, None, None]
-    return np.broadcast_to(planes, (*camera.shape, block, block)).copy()
-
-
-def glare_context(camera: Array) -> _core.GlareContext:
-    """Return that of light with the patches' mean, (P, 3): nobody said what was around
-    them."""
-    whole = np.broadcast_to(camera.mean(axis=0).astype("f4"), (WHOLE, WHOLE, 3))
-    return _core.glare_context(np.ascontiguousarray(whole))
 
 
 def tiles_of(count: int, shape: tuple[int, int]) -> Tiling:

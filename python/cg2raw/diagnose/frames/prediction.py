@@ -5,7 +5,7 @@
 
 from dataclasses import dataclass
 
-from cg2raw.diagnose.frames.tiling import Array, Mask
+from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.frames.well import Well
 
 
@@ -23,8 +23,3 @@ class Prediction:
     photon_variance: Array
     well: Well | None = None
     pattern_third_cumulant: float = 0.0
-
-    @property
-    def near_well(self) -> Mask | bool:
-        """Where the full well is felt; False without one."""
-        return False if self.well is None else self.well.is_near(self.photon_variance)

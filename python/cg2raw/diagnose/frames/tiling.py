@@ -62,22 +62,29 @@ class Tiling:
         pairs = zip(blocks, insets, strict=True)
         return np.stack([b[:, r : r + height, c : c + width] for b, (r, c) in pairs])
 
-    def rows_and_columns(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def rows_and_columns(
+        self, with_margin: bool = False
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return the row (T, h, 1) and column (T, 1, w) of every pixel."""
-        first = self.origins.astype(np.int64)
-        rows = first[:, :1, None] + np.arange(self.size[0])[None, :, None]
-        columns = first[:, 1:, None] + np.arange(self.size[1])[None, None, :]
+        height, width = self.block_size if with_margin else self.size
+        first = (self.blocks if with_margin else self.origins).astype(np.int64)
+        rows = first[:, :1, None] + np.arange(height)[None, :, None]
+        columns = first[:, 1:, None] + np.arange(width)[None, None, :]
         return rows, columns
 
+    def places(self, with_margin: bool = False) -> tuple[Array, Array]:
+        """Return (v, u): offset of rows (T, h, 1) and columns (T, 1, w) from the
+        centre, in half diagonals."""
+        half = np.hypot(*self.shape) / 2
+        rows, columns = self.rows_and_columns(with_margin)
+        v = (rows + 0.5 - self.shape[0] / 2) / half
+        u = (columns + 0.5 - self.shape[1] / 2) / half
+        return v, u
+
     def field(self) -> tuple[Array, Array]:
-        """Return (u, v): offset from the centre in half diagonals; (T, h, w) each."""
-        height, width = self.shape
-        half = np.hypot(height, width) / 2
-        rows, columns = self.rows_and_columns()
-        u = (columns + 0.5 - width / 2) / half
-        v = (rows + 0.5 - height / 2) / half
-        shape = np.broadcast_shapes(u.shape, v.shape)
-        return np.broadcast_to(u, shape), np.broadcast_to(v, shape)
+        """Return (u, v): the same of every pixel of the tiles, (T, h, w) each."""
+        v, u = np.broadcast_arrays(*self.places())
+        return u, v
 
 
 def tiling(

@@ -10,7 +10,8 @@ equations, and chooses among all effects anew.
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import add
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from cg2raw.diagnose.effects.catalogue import candidates, effect
 from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.scenes import flicker as waves
-from cg2raw.diagnose.scenes.gram import Array, Gram, Normal, Space, summed
+from cg2raw.diagnose.scenes.gram import Array, Gram, Normal, Space
 from cg2raw.diagnose.scenes.model import Model, Term
 from cg2raw.diagnose.scenes.noise import (
     excess_of,
@@ -215,7 +216,7 @@ class Scenes:
         for key, (normal, nuisances) in sets.items():
             rest = _without(normal, nuisances, False)
             found[key.partition("/")[0]].append(rest.gram(size))
-        return {name: summed(every) for name, every in found.items()}
+        return {name: reduce(add, every) for name, every in found.items()}
 
     def _counted(self) -> Array:
         """Return theta without parameters that are the shape of others: nothing is left
@@ -384,10 +385,7 @@ class Scenes:
             return normal_of(point, [], Space.of({}), np.zeros(0), nuisances), nuisances
 
         found = self.workers.map(work, views)
-        total = found[0][0]
-        for normal, _ in found[1:]:
-            total = total + normal
-        return total, found[0][1]
+        return reduce(add, (normal for normal, _ in found)), found[0][1]
 
     def _check_correspondence(self) -> None:
         """Refuse renders of something else than was captured, and images that say

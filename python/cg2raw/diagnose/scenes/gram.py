@@ -9,10 +9,8 @@ parameters; nuisances leave it by a Schur complement, and those of scenes add up
 Source: S. Boyd, L. Vandenberghe, Convex Optimization, 2004, appendix A.5.5.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import reduce
-from operator import add
 from typing import Any
 
 import numpy as np
@@ -120,10 +118,6 @@ class Gram:
         cross = self.information[np.ix_(others, index)]
         rest = self.information[np.ix_(others, others)]
         return np.asarray(own - cross.T @ _solved(rest, cross))
-
-
-def summed(grams: Sequence[Gram]) -> Gram:
-    return reduce(add, grams)
 
 
 def _solved(matrix: Array, right: Array) -> Array:

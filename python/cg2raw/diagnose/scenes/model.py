@@ -39,10 +39,6 @@ class Model:
     sensor: Sensor
     terms: tuple[Term, ...] = ()
 
-    @property
-    def names(self) -> list[str]:
-        return [term.name for term in self.terms]
-
     def term(self, name: str) -> Term | None:
         return next((term for term in self.terms if term.name == name), None)
 
@@ -53,15 +49,9 @@ class Model:
         terms = tuple(term if t.name == term.name else t for t in self.terms)
         return replace(self, terms=terms)
 
-    def with_effect(self, effect: Effect, values: Values | None = None) -> "Model":
-        """Return the model with an effect at its null, or at given values."""
-        start = effect.null if values is None else np.asarray(values, float)
-        return self.with_term(Term(effect, start))
-
-    def with_values(self, name: str, values: Values) -> "Model":
-        term = self.term(name)
-        assert term is not None
-        return self.with_term(replace(term, values=values))
+    def with_effect(self, effect: Effect, values: Values) -> "Model":
+        """Return the model with an effect at values."""
+        return self.with_term(Term(effect, np.asarray(values, float)))
 
     def without(self, name: str) -> "Model":
         return replace(self, terms=tuple(t for t in self.terms if t.name != name))

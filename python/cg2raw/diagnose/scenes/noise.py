@@ -5,6 +5,7 @@
 beyond it. Both calibrate, and are no finding."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import nnls
@@ -105,5 +106,6 @@ def with_noise(model: Model, factors: Array) -> Model:
     for name, factor in zip(("beta1", "beta2"), factors, strict=True):
         for term in model.terms:
             if term.calibration and term.effect.scales == name:
-                model = model.with_values(term.name, term.values + np.log(factor))
+                moved = replace(term, values=term.values + np.log(factor))
+                model = model.with_term(moved)
     return model

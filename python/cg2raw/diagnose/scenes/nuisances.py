@@ -74,8 +74,9 @@ def nuisances_of(
         least["radiance"] = UNEVEN_CHART
     camera = frame.camera.astype(np.float64)
     is_table = frame.samples is not None
+    v, u = frame.tiles.places(with_margin=True)
     if flicker is not None:
-        rows = places(frame)[0] * np.hypot(*frame.tiles.shape) / 2
+        rows = v * np.hypot(*frame.tiles.shape) / 2
         for k, wave in enumerate(mains_flicker.EFFECT.waves(flicker, rows)):
             change = camera * wave[:, None]
             yield Nuisance(f"flicker {k}", 1 / np.sqrt(n), True, change)
@@ -93,14 +94,13 @@ def nuisances_of(
     if is_table:
         return
     if shows.image and "radiance" in free:
-        y, x = (to_edge(one) for one in places(frame))
-        for a, b in fields():
+        y, x = to_edge(v), to_edge(u)
+        for a, b in fields(DEGREES):
             change = camera * (legendre(a, y) * legendre(b, x))[:, None]
             yield Nuisance(f"field {a} {b}", least["radiance"] / (a + b), False, change)
     if shows.render and is_blurred:
         yield Nuisance("wings of blur", WINGS, False, wings(camera))
     if shows.render and "registration" in free:
-        v, u = places(frame)
         for name, axis in (("row", 2), ("column", 3)):
             slope = correlate1d(camera, SLOPE, axis=axis, mode="nearest")
             for place, by in (("", 1.0), (" v", v[:, None]), (" u", u[:, None])):
@@ -129,29 +129,14 @@ def known_effects(sensor: Sensor) -> dict[Effect, Array]:
     return found
 
 
-def fields() -> list[tuple[int, int]]:
-    """Return degrees down and across of a smooth error of light."""
-    every = range(DEGREES + 1)
-    return [(a, b) for a in every for b in every if 0 < a + b <= DEGREES]
+def fields(most: int) -> list[tuple[int, int]]:
+    """Return degrees down and across of smooth fields, together up to @most."""
+    every = range(most + 1)
+    return [(a, b) for a in every for b in every if 0 < a + b <= most]
 
 
 def legendre(degree: int, x: Array) -> Array:
     return np.asarray(legval(x, [0.0] * degree + [1.0]))
-
-
-def places(frame: Frame) -> tuple[Array, Array]:
-    """Return (v, u) of the pixels of blocks with their margins, (T, H, W) or less, in
-    half diagonals from the centre."""
-    half = np.hypot(*frame.tiles.shape) / 2
-    height, width = frame.camera.shape[2:]
-    first = frame.tiles.blocks.astype(float)
-    rows = first[:, :1, None] + np.arange(height)[None, :, None] + 0.5
-    columns = first[:, 1:, None] + np.arange(width)[None, None, :] + 0.5
-    rows, columns = (
-        (p - n / 2) / half
-        for p, n in zip((rows, columns), frame.tiles.shape, strict=True)
-    )
-    return rows, columns
 
 
 def to_edge(place: Array) -> Array:

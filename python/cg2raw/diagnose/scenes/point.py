@@ -101,7 +101,9 @@ def point_of(view: View, frame: Frame, model: Model, excess: Excess) -> Point:
         slope, _ = frame.squared_slope_and_light
         variance = variance + excess.shift**2 * slope
         variance = variance + excess.texture**2 * light**2
-    used = view.keep & (p.mean < HIGHEST_MEAN) & ~np.asarray(p.near_well)
+    used = view.keep & (p.mean < HIGHEST_MEAN)
+    if p.well is not None:
+        used &= ~p.well.is_near(p.photon_variance)
     if frame.capture.shows.render:
         used &= maximum_filter(p.mean, (0, AROUND, AROUND)) < HIGHEST_MEAN
     lowest = -np.asarray(model.sensor.black_level, float).min() / frame.range

@@ -12,12 +12,7 @@ from scipy.special import chdtrc
 
 from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.scenes.gram import Array, Normal
-from cg2raw.diagnose.scenes.nuisances import (
-    Nuisance,
-    legendre,
-    places,
-    to_edge,
-)
+from cg2raw.diagnose.scenes.nuisances import Nuisance, fields, legendre, to_edge
 from cg2raw.diagnose.scenes.point import (
     Point,
     by_light,
@@ -138,13 +133,7 @@ def _columns(point: Point) -> Iterator[tuple[str, list[Array]]]:
     y, x = to_edge(v), to_edge(u)
     down = [legendre(k, y) for k in range(FINEST + 1)]
     across = [legendre(k, x) for k in range(FINEST + 1)]
-    degrees = [
-        (a, b)
-        for a in range(FINEST + 1)
-        for b in range(FINEST + 1)
-        if 0 < a + b <= FINEST
-    ]
-    yield "fields", [light * down[a] * across[b] for a, b in degrees]
+    yield "fields", [light * down[a] * across[b] for a, b in fields(FINEST)]
     colors = [np.broadcast_to(frame.color == k, shape) for k in np.unique(frame.color)]
     rings = _hats(np.hypot(u, v), RINGS_ASKED)
     yield "radius", [light * ring * one for ring in rings for one in colors]
@@ -160,7 +149,7 @@ def _edges(point: Point) -> list[Array]:
     """Return columns of a render that is displaced, bent, or blurred in a direction."""
     frame = point.frame
     camera = frame.camera.astype(float)
-    v, u = places(frame)
+    v, u = frame.tiles.places(with_margin=True)
     v, u = v[:, None], u[:, None]
     down, across = (np.gradient(camera, axis=axis) for axis in (2, 3))
     square = v**2 + u**2
