@@ -13,6 +13,7 @@ from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.effects.catalogue import candidates
+from cg2raw.diagnose.effects.registry import stated_by
 from cg2raw.diagnose.frames.frame import frame_of, source_of
 from cg2raw.diagnose.frames.tiling import tiling
 from cg2raw.diagnose.scenes.model import Model
@@ -71,6 +72,14 @@ def changed(sensor, **fields):
 def listed(effects):
     """Return effects, name -> parameters, as a profile lists them."""
     return [{"name": name, "parameters": values} for name, values in effects.items()]
+
+
+def stating(sensor, effects):
+    """Return a sensor with a profile that states effects, with all their parameters.
+
+    effects : name -> parameters, others of which are 0."""
+    entries = [one | {"parameters": stated_by(one, None)} for one in listed(effects)]
+    return changed(sensor, effects=entries)
 
 
 def x_trans():
@@ -203,6 +212,12 @@ def shown_set(sensor, captures, seed, extra=0.0, model=None):
         raw = np.minimum(dn, sensor.white_level).astype(np.uint16)
         result.append(replace(frame.capture, raw=lambda raw=raw: raw))
     return CaptureSet(sensor, result)
+
+
+def unexplained(found):
+    """Return where darks and flats have structure that no effect has."""
+    gains = found.selection.unnamed
+    return [name for name, gain in gains.items() if gain > found.least]
 
 
 def bare(sensor):

@@ -12,7 +12,6 @@ import pytest
 from cg2raw.diagnose.captures.reader import in_groups
 from cg2raw.diagnose.darks_and_flats import darks_and_flats
 from cg2raw.diagnose.effects.catalogue import names, of_images
-from cg2raw.diagnose.effects.registry import stated_by
 from cg2raw.diagnose.verdict.values import values_of
 from cg2raw.model import dark_levels, flat_levels, lags, selection
 from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
@@ -27,7 +26,7 @@ from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
 from cg2raw.synthetic.strengths import KINDS
 from diagnose.closed_loop import simulated
-from diagnose.planted import changed, listed
+from diagnose.planted import stating, unexplained
 from tiers import first_fast, slow
 
 SENSOR = drawn_sensor(5)
@@ -87,7 +86,7 @@ def test_each_is_named_alone(name):
     strength = math.sqrt(KINDS[name].low * KINDS[name].high)
     diagnosed = found({name: strength}, seed=8)
     assert list(diagnosed.names) == [name]
-    assert not diagnosed.unexplained
+    assert not unexplained(diagnosed)
 
 
 STATED = {
@@ -97,12 +96,6 @@ STATED = {
 }
 
 
-def stating(effects):
-    """The sensor with a profile that states effects."""
-    entries = [one | {"parameters": stated_by(one, None)} for one in listed(effects)]
-    return changed(SENSOR, effects=entries)
-
-
 def seen_by(sensor, profile):
     """What darks and flats of a sensor name, by the profile of another."""
     made = simulated(simulate_captures(SENSOR, {}, seed=3, twice=True), sensor)
@@ -110,15 +103,15 @@ def seen_by(sensor, profile):
 
 
 def test_a_shape_that_the_profile_states_is_no_finding():
-    sensor = stating(STATED)
+    sensor = stating(SENSOR, STATED)
     made = seen_by(sensor, sensor)
-    assert (list(made.names), made.unexplained, list(made.notes)) == ([], [], [])
+    assert [*made.names] == unexplained(made) == [*made.frames.notes] == []
 
 
 @pytest.mark.parametrize("name", ["lens_shading", "hot_pixels", slow("bias_structure")])
 def test_a_shape_of_another_size_than_the_profile_states_is_named(name):
     least = {key: 0.3 * value for key, value in STATED[name].items()}
-    made = seen_by(stating(STATED), stating(STATED | {name: least}))
+    made = seen_by(stating(SENSOR, STATED), stating(SENSOR, STATED | {name: least}))
     assert list(made.names) == [name]
     found = {v.parameter: v for v in values_of(made, [name]) if v.effect == name}
     for key, stated in least.items():
@@ -141,8 +134,8 @@ def test_amplifiers_take_nothing_of_the_light_and_the_bias(way):
     steps = {f"{way}_offset": 1e-3, f"{way}_response": 5e-3}
     ramps = {"horizontal": 2e-3, "vertical": 2e-3}
     planted = {"lens_shading": shading, "bias_structure": ramps, MISMATCH: steps}
-    made = seen_by(stating(planted), SENSOR)
-    assert (set(made.names), made.unexplained) == ({*planted}, [])
+    made = seen_by(stating(SENSOR, planted), SENSOR)
+    assert (set(made.names), unexplained(made)) == ({*planted}, [])
     found = {(v.effect, v.parameter): v for v in values_of(made, made.names)}
     for name, parameters in planted.items():
         for parameter, truth in parameters.items():
@@ -194,7 +187,7 @@ def test_a_band_that_a_mask_leaves_out_is_no_noise(rows):
         return [spoiled(c, *band) for c in captures if c.is_uniform]
 
     made = found({}, changed=masked)
-    assert (list(made.names), made.unexplained, list(made.notes)) == ([], [], [])
+    assert [*made.names] == unexplained(made) == [*made.frames.notes] == []
 
 
 @pytest.fixture(scope="module")
@@ -215,7 +208,7 @@ def with_dead_lines():
 
 def test_dead_lines_are_said_with_their_place(with_dead_lines):
     assert list(with_dead_lines.names) == ["prnu"]
-    assert [note.rpartition(": ")[2] for note in with_dead_lines.notes] == [
+    assert [note.rpartition(": ")[2] for note in with_dead_lines.frames.notes] == [
         *("row 50, 77.", "column 31.")
     ]
 
@@ -241,7 +234,7 @@ def test_a_dark_with_a_residual_image_is_left_out():
 
     made = found({}, changed=lagging)
     assert list(made.names) == [] and len(made.frames.spoiled) == 3
-    for group, note in zip(("fit", "select", "report"), made.notes, strict=True):
+    for group, note in zip(("fit", "select", "report"), made.frames.notes, strict=True):
         start = f"{group}_dark_0: has a residual image of {group}_scene_"
         assert note.startswith(start) and note.endswith("% of its light: left out.")
 
@@ -309,7 +302,7 @@ def test_single_frames_are_divided_by_columns(strengths):
 
     diagnosed = found(strengths, changed=single)
     assert set(diagnosed.names) == set(strengths)
-    assert any("divided by columns" in note for note in diagnosed.notes)
+    assert any("divided by columns" in note for note in diagnosed.frames.notes)
 
 
 def test_values_are_in_units_of_the_registry(with_dead_lines):

@@ -73,16 +73,6 @@ class DarksAndFlats:
         """(n,) parameters as the profile has them."""
         return self.frames.profile
 
-    @property
-    def notes(self) -> Sequence[str]:
-        """Sentences on what was left out."""
-        return self.frames.notes
-
-    @property
-    def unexplained(self) -> list[str]:
-        """Where structure is that no effect has (model.selection.UNNAMED)."""
-        return self.selection.unexplained(self.least)
-
     @cached_property
     def shown(self) -> frozenset[str]:
         """Effects that the frames can show, named or not."""
@@ -185,7 +175,7 @@ def darks_and_flats(
     if levels[0] is not None and levels[1] is not None:
         gains |= level_gains(levels[0], levels[1], least)
     if frames.well is not None:
-        gains[WELL] = _nats_of_well(frames.well, sensor, white)
+        gains[WELL] = _nats_of_well(frames.well, sensor)
     if amplifiers.errors:
         gains[MISMATCH] = amplifiers.gain
     asked = gains.keys() if names is None else gains.keys() & {*names}
@@ -222,14 +212,14 @@ def _steps(sensor: Sensor) -> dict[str, float]:
     return {n: x * unit_of(n, sensor.signal_range) for n, x in stated.items()}
 
 
-def _nats_of_well(well: FullWell, sensor: Sensor, white: float) -> float:
-    """Return what a full well gains; of one that the profile states, if it is another.
-    white : DN above black."""
+def _nats_of_well(well: FullWell, sensor: Sensor) -> float:
+    """Return what a full well gains; of one that the profile states, if it is
+    another."""
     stated = listed_parameters(sensor, WELL)
     if stated is None:
         return well.nats
-    away = (well.level - (1 - stated["below_white"]) * white) / well.error
-    return min(well.nats, away**2 / 2)
+    known = (1 - stated["below_white"]) * sensor.signal_range
+    return min(well.nats, ((well.level - known) / well.error) ** 2 / 2)
 
 
 def untested(sensor: Sensor) -> set[str]:
@@ -258,12 +248,11 @@ def levels_of(
     if frames.are_divided:
         return None
     sensor = captures.sensor
-    white = sensor.signal_range
     return flat_levels(
         found,
-        predicted_of(frames.captures, statistics, sensor, white),
+        predicted_of(frames.captures, statistics, sensor),
         sites_of(sensor.cfa),
-        white=white,
+        white=sensor.signal_range,
         light=captures.uncertainty.get("light", 0.0),
         nuisances=captures.nuisances,
         is_shaded="lens_shading" in named,
@@ -273,15 +262,12 @@ def levels_of(
 
 
 def predicted_of(
-    captures: Sequence[Capture],
-    statistics: ConstantStatistics,
-    sensor: Sensor,
-    white: float,
+    captures: Sequence[Capture], statistics: ConstantStatistics, sensor: Sensor
 ) -> NDArray[np.float64]:
     """Return (sites, G) DN above black that a profile predicts of flats; nan of darks,
     0 where the light is not known."""
     by_name = {capture.name: capture for capture in captures}
-    letters = sites_of(sensor.cfa)
+    letters, white = sites_of(sensor.cfa), sensor.signal_range
     found = np.full((len(letters), len(statistics.groups)), np.nan)
     for g, info in enumerate(statistics.groups):
         capture = by_name[info.frames[0]]

@@ -109,9 +109,8 @@ def diagnose(
             say("done", 1.0)
             return _finished(found, names - shown, capture_set, started)
         if found:
-            images = with_images_alone(
-                capture_set, found, seen.frames.masked, seen.frames.looked_at
-            )
+            used = [*seen.frames.captures, *seen.frames.spoiled]
+            images = with_images_alone(capture_set, found, seen.frames.masked, used)
             asked -= shown - lit
     workers = Workers(threads, deadline)
     second = _of_images(

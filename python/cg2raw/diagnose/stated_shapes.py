@@ -6,6 +6,7 @@
 What is left is what frames show beyond the profile."""
 
 from dataclasses import dataclass, replace
+from operator import sub
 from typing import NamedTuple
 
 import numpy as np
@@ -49,15 +50,6 @@ class Parts(NamedTuple):
         field[: len(down), : len(across)] = down @ image @ across.T
         rows, columns = (image.mean(axis=n, dtype=float) - mean for n in (1, 0))
         return cls(mean, rows, columns, field)
-
-    def less(self, other: "Parts") -> "Parts":
-        """Return the parts of this image less another."""
-        return Parts(
-            self.mean - other.mean,
-            self.rows - other.rows,
-            self.columns - other.columns,
-            self.field - other.field,
-        )
 
     def times(self, factor: float) -> "Parts":
         """Return the parts of this image times a factor."""
@@ -103,7 +95,7 @@ class StatedShapes:
         dark, lit = planes(0.0), planes(HALF)
         offset = tuple(one.times(white) for one in dark)
         light = tuple(
-            one.less(black).times(1 / HALF)
+            Parts(*map(sub, one, black)).times(1 / HALF)
             for one, black in zip(lit, dark, strict=True)
         )
         return cls(tuple(name for name, _ in given), offset, light)
@@ -153,7 +145,7 @@ class StatedShapes:
         every = self.offset if name == "bias_structure" else self.light
         image = Parts(*(sum(some) / len(every) for some in zip(*every, strict=True)))
         if name == "color_shading":
-            image = self.light[0].less(image)
+            image = Parts(*map(sub, self.light[0], image))
         bare = replace(
             statistics.planes[0],
             rows=image.rows[None],

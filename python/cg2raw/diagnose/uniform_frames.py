@@ -53,11 +53,6 @@ class UniformFrames:
         return any(capture.divided for capture in self.captures)
 
     @property
-    def looked_at(self) -> list[Capture]:
-        """Captures that decided, or were left out for what is in them."""
-        return [*self.captures, *self.spoiled]
-
-    @property
     def masked(self) -> NDArray[np.bool_]:
         """(H, W) samples that are none of a pattern: hot, or in a line that is."""
         shape = self.captures[0].shape

@@ -74,10 +74,6 @@ class Selection:
         order = sorted(self.gains, key=lambda name: -self.gains[name])
         return [name for name in order if self.gains[name] > least]
 
-    def unexplained(self, least: float) -> list[str]:
-        """Return which of UNNAMED gain more than @least nats."""
-        return [name for name, gain in self.unnamed.items() if gain > least]
-
 
 def selection(
     training: Fit,

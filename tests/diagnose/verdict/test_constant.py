@@ -11,13 +11,12 @@ import pytest
 
 from cg2raw import Sensor
 from cg2raw.diagnose import darks_and_flats
-from cg2raw.diagnose.effects.registry import stated_by
 from cg2raw.diagnose.pipeline import diagnose
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
 from cg2raw.synthetic.strengths import KINDS
 from diagnose.closed_loop import simulated
-from diagnose.planted import bare
+from diagnose.planted import bare, stating
 from tiers import slow
 
 SENSOR = drawn_sensor(5)
@@ -225,20 +224,12 @@ def test_charts_of_levels_shapes_and_neighbours_show_what_was_hidden():
     assert chart.series[0].after[-1] - chart.series[0].after[0] == pytest.approx(size)
 
 
-def stating(*effects):
-    """Return the sensor with a profile that states effects."""
-    entries = [one | {"parameters": stated_by(one, None)} for one in effects]
-    profile = json.loads(SENSOR.to_json()) | {"effects": entries}
-    return Sensor.from_json(json.dumps(profile))
-
-
 def test_a_chart_of_levels_has_a_shading_that_the_profile_states():
     """Corners 30 % darker take a tenth of the mean of a flat: no part of what exposure
     moves it by."""
-    corners = {"name": "lens_shading", "parameters": {"r2": -0.3}}
-    brighter = {"name": "exposure", "parameters": {"gain": 0.05}}
-    frames = simulated(captures_of(), stating(brighter, corners))
-    found = diagnose(replace(frames, sensor=stating(corners)))
+    corners, brighter = {"lens_shading": {"r2": -0.3}}, {"exposure": {"gain": 0.05}}
+    frames = simulated(captures_of(), stating(SENSOR, brighter | corners))
+    found = diagnose(replace(frames, sensor=stating(SENSOR, corners)))
     assert found.gap.before > 0.01 and abs(found.gap.after) < 0.2 * found.gap.before
     (chart,) = (one for one in found.charts if one.effect == "exposure")
     for one in chart.series:

@@ -195,16 +195,15 @@ def _over_groups(
 
 def _levels(name: str, found: DarksAndFlats, test: Fit) -> Chart | None:
     """Return levels of darks above the black level of the profile."""
-    planes, sites = test.likelihood.planes, test.parameters.sites
+    planes, own = test.likelihood.planes, test.parameters.each("black_level")
     used = np.flatnonzero(~planes[0].is_flat)
     if not len(used):
         return None
-    at = test.parameters.of("black_level")
-    black = found.profile[at : at + sites].mean()
+    black = found.profile[own].mean()
     level = np.mean([one.plane.level for one in planes], axis=0) - black
     rate = test.parameters.of("dark_current")
     before, after = (
-        theta[at : at + sites].mean() - black + theta[rate] * planes[0].time
+        theta[own].mean() - black + theta[rate] * planes[0].time
         for theta in (_without(name, found, test), test.theta)
     )
     each = [one[used] for one in (level, before, after)]
@@ -216,8 +215,7 @@ def _levels(name: str, found: DarksAndFlats, test: Fit) -> Chart | None:
 def _drift(finding: Finding, found: DarksAndFlats, fits: Sequence[Fit]) -> Chart | None:
     """Return the levels of the shortest darks, frame by frame, and 95 % bands."""
     order = {one.name: n for n, one in enumerate(found.captures.captures)}
-    sensor, rows = found.captures.sensor, []
-    white = sensor.signal_range
+    white, rows = found.captures.sensor.signal_range, []
     variance = (finding.parameters["sigma"].value * white) ** 2
     for fit in fits:
         statistics, planes = fit.likelihood.means.statistics, fit.likelihood.planes
@@ -244,8 +242,7 @@ def _rates(name: str, found: DarksAndFlats, model: Fit) -> Chart | None:
     if not {GROUPS[0], TEST} <= rates.keys():
         return None
     first, last = rates[GROUPS[0]], rates[TEST]
-    at = model.parameters.of("gain")
-    gain = float(np.mean(model.theta[at : at + model.parameters.sites]))
+    gain = float(np.mean(model.theta[model.parameters.each("gain")]))
     shots = [one.shot(max(gain, 0.0)) for one in (first, last)]
     counts = first.counts.astype(float)
     shares = [

@@ -146,22 +146,21 @@ def noise_row(found: DarksAndFlats) -> dict[str, Any] | None:
     """Return a row of a noise table as the frames show it; None where the profile has
     one, of frames of no known ISO, and of darks with too little light of their own."""
     iso = found.frames.captures[0].iso
-    sensor, at = found.captures.sensor, found.both.parameters.of
-    gains = found.both.parameters.each("gain")
+    sensor, each = found.captures.sensor, found.both.parameters.each
+    gains = each("gain")
     errors = np.sqrt(np.diagonal(found.both.covariance)[gains])
     is_known = (found.both.theta[gains] > GAIN_ERRORS * errors).all()
     if found.frames.has_noise or iso is None or not is_known:
         return None
     ranges = sensor.white_level - np.asarray(sensor.black_level, float)
-    sites = np.arange(found.both.parameters.sites)
-    beta1 = found.both.theta[at("gain") + sites] / ranges
-    beta2 = found.both.theta[at("read_noise") + sites] / ranges**2
+    beta1 = found.both.theta[gains] / ranges
+    beta2 = found.both.theta[each("read_noise")] / ranges**2
     positive = [np.maximum(beta, 1e-12).tolist() for beta in (beta1, beta2)]
     return {"iso": iso, "beta1": positive[0], "beta2": positive[1]}
 
 
 def _notes(found: DarksAndFlats) -> list[str]:
-    notes = [*found.captures.notes, *found.notes]
+    notes = [*found.captures.notes, *found.frames.notes]
     if found.captures.nuisances:
         free = ", ".join(sorted(found.captures.nuisances))
         notes.append(f"Free nuisances, which are not effects: {free}.")

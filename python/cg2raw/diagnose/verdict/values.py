@@ -109,8 +109,7 @@ def _withheld(found: DarksAndFlats, named: Collection[str]) -> Iterator[Value]:
     """Yield a dark current, and deviations of patterns and lines, where the figures
     withhold them, since most of a dark is at 0: as the fit has them."""
     told = {one.effect for one in found.values}
-    sensor = found.captures.sensor
-    white = sensor.signal_range
+    white = found.captures.sensor.signal_range
     for name in OF_VARIANCES:
         if name not in named or name in told:
             continue
