@@ -103,7 +103,7 @@ def test_set_points_have_marks_of_their_own(monkeypatch):
     monkeypatch.setattr(report, "lines", lambda _, marks, *more: drawn.extend(marks))
     rates = tuple((t, Measured(1.0, 0.1, "DN/s")) for t in (-10.0, 0.0, 10.0))
     points = tuple((60.0, 60.0 + n, n) for n in range(3))
-    report.dark_current(found_with(dark=DarkCurrent(rates, None, points)))
+    report.dark_current(DarkCurrent(rates, None, points))
     dots = [mark for mark in drawn if mark.style == "dots"]
     assert [mark.label for mark in dots] == ["-10.0 C", "0.0 C", "10.0 C"]
     assert len({mark.shape for mark in dots}) == 3

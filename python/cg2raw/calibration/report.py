@@ -11,8 +11,9 @@ import numpy as np
 from scipy.ndimage import uniform_filter
 
 from cg2raw.calibration.calibration import Calibration
-from cg2raw.calibration.darks import HISTOGRAM
+from cg2raw.calibration.darks import HISTOGRAM, DarkCurrent, Tails
 from cg2raw.calibration.measured import Array, Measured
+from cg2raw.calibration.structure import BiasStructure
 from cg2raw.calibration.table import MOST_SITES, dynamic_range, rows_of, told
 from cg2raw.io.atomic_file import write_with_folder
 from cg2raw.io.map_image import SEQUENTIAL, map_image
@@ -133,11 +134,11 @@ def cards(found: Calibration) -> Iterator[Card]:
             "Linearity", f"error {words(line.error)}", line.error, evidence, chart
         )
     if found.dark is not None:
-        yield dark_current(found)
+        yield dark_current(found.dark)
     if found.tails is not None:
-        yield temporal_noise(found)
+        yield temporal_noise(found.tails, found.figure("temporal dark noise"))
     if found.structure is not None:
-        yield bias(found)
+        yield bias(found.structure, found.figure("black level"))
 
 
 def transfer(found: Calibration, gain: Measured) -> Iterator[Card]:
@@ -182,10 +183,8 @@ def transfer(found: Calibration, gain: Measured) -> Iterator[Card]:
     yield card("Signal to noise", value, None, evidence, chart)
 
 
-def dark_current(found: Calibration) -> Card:
+def dark_current(dark: DarkCurrent) -> Card:
     """Return the middles of darks against exposure time, a line per temperature."""
-    dark = found.dark
-    assert dark is not None
     times = np.array([0.0, max(time for time, *_ in dark.points)])
     marks = []
     for number, (temperature, rate) in enumerate(dark.rates):
@@ -203,10 +202,8 @@ def dark_current(found: Calibration) -> Card:
     return Card("Dark current", "", *of, evidence, more, [chart])
 
 
-def temporal_noise(found: Calibration) -> Card:
+def temporal_noise(tails: Tails, noise: Measured | None) -> Card:
     """Return the histogram of differences of darks against a normal one."""
-    tails, noise = found.tails, found.figure("temporal dark noise")
-    assert tails is not None
     middles = (HISTOGRAM[1:] + HISTOGRAM[:-1]) / 2
     density = tails.histogram / tails.histogram.sum() / np.diff(HISTOGRAM)
     normal = np.exp(-(middles**2) / 2) / np.sqrt(2 * np.pi)
@@ -223,10 +220,8 @@ def temporal_noise(found: Calibration) -> Card:
     return card("Temporal dark noise", value, noise, evidence, chart)
 
 
-def bias(found: Calibration) -> Card:
+def bias(structure: BiasStructure, level: Measured | None) -> Card:
     """Return the means of columns and rows of the offsets, with what was fitted."""
-    structure = found.structure
-    assert structure is not None
     charts = []
     for name, profile, fitted in (
         ("column", structure.columns, structure.fitted_columns),
@@ -242,7 +237,6 @@ def bias(found: Calibration) -> Card:
             Mark("ramp and edge", x, curve, "dashed", BEFORE),
         ]
         charts.append(lines(f"Means of {name}s of the bias", marks, (name, "DN")))
-    level = found.figure("black level")
     value = "" if level is None else f"black level {words(level)}"
     evidence = "Means of columns and of rows of the bias, less the black level."
     return card("Bias profiles", value, None, evidence, *charts)

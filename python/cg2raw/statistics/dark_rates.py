@@ -43,14 +43,9 @@ def dark_rates(statistics: ConstantStatistics) -> tuple[DarkRates, ...]:
                 smooth = plane.smooth(int(g)).astype(np.float32)
                 rest = mean[p // side :: side, p % side :: side] - smooth
                 rates[p] += np.float32(slope.weights[g]) * rest
-        counts = np.zeros(len(RATE_EDGES) - 1, np.int64)
-        noises = [
-            noise_beside(plane, rate, float(own))
-            for plane, rate, own in zip(
-                statistics.planes, rates, slope.noise, strict=True
-            )
-        ]
+        counts, noises = np.zeros(len(RATE_EDGES) - 1, np.int64), []
         for p, plane in enumerate(statistics.planes):
+            noises.append(noise_beside(plane, rates[p], float(slope.noise[p])))
             used = ~plane.in_lines
             if statistics.excluded is not None:
                 used &= ~statistics.excluded[p // side :: side, p % side :: side]
