@@ -52,10 +52,10 @@ def groups_of(*lists, kinds=()):
     ]
 
 
-def measured(groups, side, threads=2, excluded=None):
+def measured(groups, side, white=WHITE, threads=2, **more):
     """Return the core's statistics of frames."""
     readers = [(info, [lambda f=f: f for f in frames]) for info, frames in groups]
-    return frame_statistics(readers, side, WHITE, threads=threads, excluded=excluded)
+    return frame_statistics(readers, side, white, threads=threads, **more)
 
 
 def assert_alike(found, expected, exactly=False, rtol=1e-9):
@@ -141,11 +141,7 @@ def test_what_one_frame_has_alone_is_counted_and_in_no_mean():
     """A cosmic ray and a dropped pixel; hot pixels, which all frames have, are."""
     first, second = spoilt(drawn((96, 120), 4)), drawn((96, 120), 3, seed=5)
     second[1][70, 80] = 0
-    readers = [
-        (info, [lambda f=f: f for f in frames])
-        for info, frames in groups_of(first, second)
-    ]
-    found = frame_statistics(readers, 2, WHITE)
+    found = measured(groups_of(first, second), 2)
     mean = found.mean_of
     above, below = found.transients[..., 0], found.transients[..., 1]
     assert above.tolist() == [[0, 0, 1, 0], [0, 0, 0, 0]]
@@ -170,10 +166,7 @@ def test_the_noise_of_a_hot_pixel_is_no_transient():
 
 def test_codes_of_each_frame_are_handed_on():
     frames, found = drawn((48, 60), 3), []
-    readers = [
-        (info, [lambda f=f: f for f in given]) for info, given in groups_of(frames)
-    ]
-    frame_statistics(readers, 2, WHITE, looked=lambda *one: found.append(one))
+    measured(groups_of(frames), 2, looked=lambda *one: found.append(one))
     assert [number for number, _ in found] == [0, 1, 2]
     for (_, counts), frame in zip(found, frames, strict=True):
         expected = np.bincount(frame[1::2, ::2].ravel(), minlength=counts.shape[1])
@@ -204,7 +197,7 @@ def test_the_variance_of_a_part(part, planted):
 @pytest.mark.parametrize("side", [1, 2, 6])
 def test_threads_do_not_matter(side):
     groups = groups_of(spoilt(drawn((170, 130), 5)), drawn((170, 130), 2, seed=5))
-    assert_alike(measured(groups, side, 1), measured(groups, side, 3), exactly=True)
+    assert_alike(*(measured(groups, side, threads=n) for n in (1, 3)), exactly=True)
 
 
 def test_a_file_has_all_of_it(tmp_path):
@@ -463,10 +456,9 @@ def test_a_strong_shading_masks_no_line():
     rng = np.random.default_rng(3)
     down, across = np.mgrid[-1 : 1 : 56 * 1j, -1.28 : 1.28 : 72 * 1j]
     light = 4000 / (1 + 0.36 * ((down - 0.1) ** 2 + (across + 0.15) ** 2)) ** 2
-    frames = [np.rint(light + 3 * rng.standard_normal(light.shape)) for _ in range(4)]
-    group = GroupInfo("flat", tuple("abcd"))
-    readers = [lambda f=f: f.astype(np.uint16) for f in frames]
-    found = frame_statistics([(group, readers)], 1, 65535)
+    frames = [light + 3 * rng.standard_normal(light.shape) for _ in range(4)]
+    codes = np.rint(frames).astype(np.uint16)
+    found = measured(groups_of(codes, kinds=["flat"]), 1, 65535)
     assert not found.planes[0].masked.any()
 
 
@@ -517,10 +509,7 @@ def test_statistics_in_steps_are_those_of_the_numbers_of_steps():
     that stand out are masked at a quarter of a step."""
     lists = drawn((40, 48), 4, level=9.0), drawn((40, 48), 3, level=60.0, seed=2)
     coded = [[4 * frame + 3 for frame in frames] for frames in lists]
-    readers = [
-        (info, [lambda f=f: f for f in frames]) for info, frames in groups_of(*coded)
-    ]
-    found = frame_statistics(readers, 2, 4 * WHITE + 3, step=4).in_steps(4, 3)
+    found = measured(groups_of(*coded), 2, 4 * WHITE + 3, step=4).in_steps(4, 3)
     expected = measured(groups_of(*lists), 2)
     assert expected.planes[0].low[0] > 0
     assert_alike(found, replace(expected, rates=()))

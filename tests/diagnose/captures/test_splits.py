@@ -41,16 +41,11 @@ def test_columns_of_a_narrow_frame_are_refused():
 @pytest.mark.parametrize(
     ("strata", "declared", "expected"),
     [
-        ({"a": 0, "b": 0, "c": 0}, {}, "fit select report"),
         ({"a": 2, "b": 1, "c": 0}, {}, "report select fit"),
-        ({"a": 0, "b": 0, "c": 0, "d": 0}, {}, "fit select report fit"),
-        ({"a": 0, "b": 0}, {}, "- -"),
         ({"a": 0, "b": 0}, {"a": "report"}, "report -"),
-        ({"a": 0, "b": 0, "c": 0}, {"a": "report"}, "report fit select"),
-        ({"a": 0, "b": 0, "c": 0, "d": 0}, {"b": "fit", "c": "fit"},
-         "select fit fit report"),
     ],
-)  # fmt: skip
+)
 def test_sets_take_turns(strata, declared, expected):
+    """More of it: tests/diagnose/captures/test_reader.py."""
     found = groups_of_sets(strata, declared)
     assert " ".join(found[name] or "-" for name in strata) == expected
