@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 from scipy.interpolate import CubicSpline
 from scipy.special import ndtr
@@ -23,6 +24,7 @@ from cg2raw.statistics.constant import PLACES, Array
 # of Sheppard's series (W. Sheppard, 1898).
 FINE = 0.54
 FEW_CODES = 1.5  # DN^2. Below, the law of single draws is that of their codes
+SMOOTH = 30.0**2  # DN^2. Above, rounding is less than 1e-4 of the variance of codes
 FAR = 100  # codes from 0 and white, where these are not felt
 REACH = 7  # sigma: beyond, a normal distribution has 3e-12
 # Places per DN and per sigma, the fewer of both: between them moments are linear.
@@ -68,24 +70,42 @@ def _moments(codes: Array, share: Array, white: int) -> tuple[Array, Array]:
     return first, np.maximum((share * rest**2).sum(axis=-1), 1e-12)
 
 
+def _clipped(mean: Array, sigma: float, white: int) -> tuple[Array, Array]:
+    """Return mean and variance, as of recorded, of normal signals that end at 0 and
+    white. Source: N. Johnson, S. Kotz, N. Balakrishnan, Continuous Univariate
+    Distributions 1, 1994, 13.10.1 (truncated normal)."""
+    low, high = -mean / sigma, (white - mean) / sigma
+    dense = [np.exp(-(end**2) / 2) / math.sqrt(2 * math.pi) for end in (low, high)]
+    inside, above = ndtr(high) - ndtr(low), ndtr(-high)
+    first = white * above + mean * inside + sigma * (dense[0] - dense[1])
+    square = white**2 * above + (mean**2 + sigma**2) * inside
+    square += sigma * (mean * dense[0] - (mean + white) * dense[1])
+    return first, np.maximum(square - first**2, 1e-12)
+
+
 def _with_ends(
-    low: int, high: int, steps: int, variance: float, white: int
+    whole: NDArray[np.int64], steps: int, variance: float, white: int
 ) -> tuple[Array, Array]:
-    """Return what recorded does of a grid from low to high, of so many steps per DN.
-    What is far from 0 and white is of each code as of the next, and has the moments of
-    fine codes where noise is not below FINE."""
-    whole, part = np.arange(low, high + 1.0)[:, None], np.arange(steps) / steps
-    codes, share = _law(part, variance)
+    """Return what recorded does of a grid of signals: whole codes, (n,), and so many
+    steps from each to the next DN, but for the last. What is far from 0 and white is of
+    each code as of the next, and has the moments of fine codes where noise is not below
+    FINE."""
+    part = np.arange(steps) / steps
     mean, of_codes = part, np.full(steps, variance + ROUNDING)
+    if variance <= SMOOTH:
+        codes, share = _law(part, variance)
     if variance <= FINE:
         mean, of_codes = _moments(codes + FAR, share, 2 * FAR)
         mean = mean - FAR
-    mean, of_codes = whole + mean, np.tile(of_codes, (len(whole), 1))
+    mean, of_codes = whole[:, None] + mean, np.tile(of_codes, (len(whole), 1))
     reach = REACH * np.sqrt(variance) + 2
-    near = ((whole < reach) | (whole > white - reach))[:, 0]
-    ends = whole[near][:, None] + codes
-    mean[near], of_codes[near] = _moments(ends, share, white)
-    count = (high - low) * steps + 1
+    near = (whole < reach) | (whole > white - reach)
+    if variance > SMOOTH:
+        ends = _clipped(whole[near][:, None] + part, np.sqrt(variance), white)
+    else:
+        ends = _moments(whole[near][:, None, None] + codes, share, white)
+    mean[near], of_codes[near] = ends
+    count = (len(whole) - 1) * steps + 1
     return mean.ravel()[:count], of_codes.ravel()[:count]
 
 
@@ -328,11 +348,12 @@ class _Codes:
         else:
             most = REACH * np.sqrt(noise + offsets.lines + offsets.fixed) + 1
             low, high = int(codes.min() - 2 * most) - 1, int(codes.max() + 2 * most) + 1
-            high = low + fft.next_fast_len(high - low, real=True)
             power = math.ceil(np.log2(STEPS_PER_SIGMA / np.sqrt(noise)))
-            steps = min(STEPS, 2 ** max(power, 0))
-            self.grid = np.linspace(low, high, (high - low) * steps + 1)
-            self.mean, self.variance = _with_ends(low, high, steps, noise, white)
+            steps, apart = min(STEPS, 2 ** max(power, 0)), 2 ** max(-power, 0)
+            count = fft.next_fast_len(-(-(high - low) // apart), real=True)
+            whole = low + apart * np.arange(count + 1)
+            self.grid = np.linspace(low, whole[-1], count * steps + 1)
+            self.mean, self.variance = _with_ends(whole, steps, noise, white)
             self.room = self.grid[::4]
 
     def of(self, values: Array, at: Array) -> Array:
