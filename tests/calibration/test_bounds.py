@@ -19,10 +19,11 @@ from cg2raw.calibration.calibration import (
 )
 from cg2raw.calibration.darks import MOST_HOT, DarkCurrent, dark_spread
 from cg2raw.calibration.fitting import Fitted
+from cg2raw.calibration.flats import PhotonTransfer
 from cg2raw.calibration.measured import CUT, LEFT, Measured
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.structure import glow
-from cg2raw.calibration.table import dark_lines, told
+from cg2raw.calibration.table import dark_lines, dynamic_range, told
 from cg2raw.model.figures import Figure
 from cg2raw.statistics.constant import RATE_EDGES, DarkRates
 
@@ -132,6 +133,15 @@ def test_a_glow_as_wide_as_the_field_is_a_limit():
 
 def test_what_a_cut_leaves_of_a_variance_is_that_of_a_truncated_normal():
     assert LEFT == pytest.approx(truncnorm.var(-CUT, CUT), rel=1e-9)
+
+
+def test_the_dynamic_range_is_saturation_over_the_noise_of_a_dark():
+    """EMVA 1288: 20 log10 of both, here each known to a hundredth."""
+    noise = Figure("temporal dark noise", "DN", 5.0, 0.05, 4.9, 5.1)
+    full = PhotonTransfer(saturation=Measured(10_000.0, 100.0, "DN"))
+    found = dynamic_range(found_with(fit=Fitted([noise]), transfer=full))
+    assert found.value == pytest.approx(20 * np.log10(2000))
+    assert found.standard_error == pytest.approx(20 / np.log(10) * 0.01 * 2**0.5)
 
 
 def test_a_number_without_an_error_has_none():

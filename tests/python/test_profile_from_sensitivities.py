@@ -143,5 +143,6 @@ def test_options_that_do_not_go_together(ssf, tmp_path):
     assert "--bits: the files say it" in line
     assert "--bits: " in fails("profile", photo, "--bits", "12")
     assert "needs --ssf" in fails("profile", photo, "--illuminant-spd", "A")
+    assert "needs --ssf" in fails("profile", photo, "--ssf-unit", "energy")
     assert "or --ssf" in fails("profile")
     assert "absent.csv" in fails("profile", photo, "--ssf", tmp_path / "absent.csv")
