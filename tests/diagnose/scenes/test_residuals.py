@@ -12,7 +12,7 @@ from cg2raw.diagnose.scenes.point import Excess, point_of
 from cg2raw.diagnose.scenes.predict import predict
 from cg2raw.diagnose.scenes.residuals import Residuals
 from cg2raw.diagnose.scenes.view import views_of
-from diagnose.planted import capture_of, drawn, frames_of, sensor_of
+from diagnose.planted import BY_NAME, capture_of, drawn, frames_of, sensor_of
 
 SENSOR = sensor_of()
 
@@ -118,3 +118,19 @@ def test_tiles_are_mounted_where_they_lie():
         expected = (raw - 256) / (16383 - 256)
         found = shown[..., "RGB".index(letter)]
         np.testing.assert_allclose(found[own], expected[own], rtol=1e-5)
+
+
+def test_residual_maps_have_the_noise_of_a_frame():
+    """A cell is the mean of so many standard deviates, times its side: such a one."""
+    [frame] = drawn(frames_of(SENSOR, [capture_of("flat", 3)]), Model(SENSOR), 3)
+    [view] = views_of([frame])
+    brighter = Model(SENSOR).with_effect(BY_NAME["exposure"], [0.02])
+    first, last = (
+        point_of(view, view.frame, model, Excess())
+        for model in (brighter, Model(SENSOR))
+    )
+    (picture,) = pictures_of([first], [last])
+    assert np.isfinite(picture.z_after).mean() > 0.5
+    assert np.nanstd(picture.z_after) == pytest.approx(1, abs=0.15)
+    assert abs(np.nanmean(picture.z_after)) < 0.3
+    assert np.nanmean(picture.z_before) < -2  # less light than predicted
