@@ -162,3 +162,20 @@ def test_it_is_the_same_each_time():
 )
 def test_how_a_ratio_is_said(ratio, words):
     assert times_words(ratio) == words
+
+
+def test_levels_are_drawn_and_bounded_as_they_are():
+    """Of a draw with replacement, each level has its share in whichever part it is; of
+    other levels, as many of the lowest and highest are but bounds."""
+    levels = Levels(np.arange(60.0), np.full(25, 100.0), np.full(15, -100.0))
+    rng = np.random.default_rng(3)
+    draws = [levels.drawn(rng) for _ in range(400)]
+    assert {len(one) for one in draws} == {100}
+    for name, share in (("known", 60), ("above", 25), ("below", 15)):
+        parts = [getattr(one, name) for one in draws]
+        assert np.mean([len(part) for part in parts]) == pytest.approx(share, abs=1)
+        assert set(np.concatenate(parts)) == set(getattr(levels, name))
+    found = levels.bounded(rng.permutation(200.0 + np.arange(100)))
+    np.testing.assert_array_equal(found.known, 215.0 + np.arange(60))
+    assert set(found.above) == {274.0} and len(found.above) == 25
+    assert set(found.below) == {215.0} and len(found.below) == 15

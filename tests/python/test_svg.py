@@ -85,6 +85,16 @@ def test_a_legend_fits_and_its_entries_do_not_collide():
     assert (gaps > 26).all() and at[-1] + widths[-1] <= svg.WIDTH
 
 
+def test_a_band_lies_to_both_sides_of_nothing():
+    half = np.array([1.0, 2.0, 1.5])
+    drawn = lines("noise", [Mark("a", np.arange(3.0), half, "band")], LABELS)
+    [points] = re.findall(r'<polygon points="([^"]+)"', drawn)
+    down = np.array([pair.split(",")[1] for pair in points.split()], float)
+    assert (down >= svg.TOP).all() and (down <= svg.BOTTOM).all()
+    upper, lower = down[:3], down[:2:-1]
+    np.testing.assert_allclose(upper + lower, 2 * down.mean(), atol=0.2)
+
+
 def test_bars_begin_at_nothing_and_have_rows_of_their_own():
     values = np.array([2.0, -1.0])
     marks = [Mark("found", np.arange(2.0), values, "solid", svg.AFTER)]
