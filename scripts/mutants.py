@@ -193,7 +193,9 @@ class Coverage:
             if record is None or not self.is_current(scratch, test_file, record):
                 record = scratch.measure(test_file)
                 if failed := record.pop("failed"):
-                    print(f"{test_file}: {failed} tests fail without a fault", flush=True)
+                    print(
+                        f"{test_file}: {failed} tests fail without a fault", flush=True
+                    )
                 record["digests"] = self.digests_of(scratch, test_file, record)
                 kept.write_text(json.dumps(record))
             self.seconds |= record["tests"]

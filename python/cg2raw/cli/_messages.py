@@ -4,7 +4,8 @@
 
 import argparse
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from cg2raw.core_arguments import check_utf8
 from cg2raw.short_messages import about
@@ -36,6 +37,16 @@ def check_words(words: Sequence[str]) -> None:
     """Raise ValueError for a word that is not UTF-8."""
     for word in words:
         check_utf8(word)
+
+
+@contextmanager
+def needs_extra(extra: str) -> Iterator[None]:
+    """Raise ValueError for a package that is missing, with what installs it."""
+    try:
+        yield
+    except ModuleNotFoundError as missing:
+        words = f"needs {missing.name}: pip install 'cg2raw[{extra}]'"
+        raise ValueError(words) from None
 
 
 def about_output(arguments: argparse.Namespace, error: BaseException) -> str:

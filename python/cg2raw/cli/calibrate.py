@@ -27,6 +27,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from cg2raw.cli._messages import needs_extra
 from cg2raw.cli._numbers import number
 from cg2raw.cli._outputs import check_output, check_report, to_file
 from cg2raw.cli._progress import stages, tracked
@@ -74,17 +75,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--quiet", action="store_true", help="no table, no progress; errors alone")
 
 
+@needs_extra("diagnose")
 def run(arguments: argparse.Namespace) -> int:
-    """Calibrate; return 0."""
-    try:
-        return run_calibration(arguments)
-    except ModuleNotFoundError as missing:
-        raise ValueError(
-            f"needs {missing.name}: pip install 'cg2raw[diagnose]'"
-        ) from None
-
-
-def run_calibration(arguments: argparse.Namespace) -> int:
     """Read, measure, write what was asked for."""
     from cg2raw.calibration import calibrate
     from cg2raw.cli._uniform_frames import sensor_of

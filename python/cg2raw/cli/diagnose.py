@@ -20,6 +20,7 @@ import re
 import sys
 from typing import TYPE_CHECKING, Any
 
+from cg2raw.cli._messages import needs_extra
 from cg2raw.cli._numbers import number, whole
 from cg2raw.cli._outputs import check_output
 from cg2raw.system import keep_freed_memory
@@ -245,16 +246,13 @@ def duration(text: str) -> float:
     return seconds
 
 
+@needs_extra("diagnose")
 def run(arguments: argparse.Namespace) -> int:
     """Do what was asked; return the exit code."""
     keep_freed_memory()
     try:
         code: int = arguments.work(arguments)
         return code
-    except ModuleNotFoundError as missing:
-        raise ValueError(
-            f"needs {missing.name}: pip install 'cg2raw[diagnose]'"
-        ) from None
     except MemoryError:
         raise ValueError(
             f"{getattr(arguments, 'captures', arguments.name)}: not enough memory; "

@@ -35,6 +35,7 @@ from cg2raw.cli._export_options import (
     add_options,
     checked_options,
 )
+from cg2raw.cli._messages import needs_extra
 from cg2raw.cli._outputs import check_output, check_report, to_file
 from cg2raw.cli._progress import stages
 from cg2raw.interrupts import held, is_asked_to_end
@@ -66,17 +67,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_colorspace(group)
 
 
+@needs_extra("diagnose")
 def run(arguments: argparse.Namespace) -> int:
-    """Compare; return 0."""
-    try:
-        return run_match(arguments)
-    except ModuleNotFoundError as missing:
-        raise ValueError(
-            f"needs {missing.name}: pip install 'cg2raw[diagnose]'"
-        ) from None
-
-
-def run_match(arguments: argparse.Namespace) -> int:
     """Read, compare, write what was asked for."""
     from cg2raw.cli._uniform_frames import sensor_of
     from cg2raw.match import captures_in, check_counts, compare, renders_in
