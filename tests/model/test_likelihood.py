@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """Laws of the likelihood and its fit."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -269,3 +271,14 @@ def test_rows_that_move_are_none_of_the_noise_of_pixels_beside_masked_ones():
         value, error = found.of(name)
         assert abs(value - truth) < 3 * error, name
         assert error < 0.1 * truth
+
+
+def test_a_frame_without_a_repeat_has_noise_that_is_not_known():
+    """As of a split that one dark is left for: no warning reaches the user."""
+    drawn = 200 + 3 * np.random.default_rng(4).standard_normal((48, 64))
+    frame = np.rint(drawn).astype(np.uint16)
+    alone = plain_statistics([(GroupInfo("dark", ("a",), 0.0), [frame])], 1, 4095)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = Likelihood(alone)
+    assert not found.planes[0].measured.any() and not found.is_coarse

@@ -145,7 +145,7 @@ class PlaneLikelihood:
             h, w = self.plane.shape
             chance = noise[g] / self.frames[g] * (1 / h + 1 / w)
             places = self.plane.places[g] * shrunk(self.plane.places[g], chance)
-            room = np.sqrt(chance)
+            room = min(np.sqrt(chance), white / 2)  # of unknown noise all of it
             places = np.clip(level + places, room, white - room)
             places -= level
             offsets = Offsets(*about[:, g])
