@@ -156,7 +156,9 @@ def selection(
             of_core = shapes.read_noise(variance, shapes.cores)
             gains["read_noise"] = of_core or gains["read_noise"]
         if gains.get(TAILS, 0.0) > least:
-            of_tails = _beside_tails(validation, places["read_noise"], variance, shapes)
+            of_tails = _nats_with_tails(
+                validation, places["read_noise"], variance, shapes
+            )
             gains["read_noise"] = min(of_tails, gains["read_noise"])
     unnamed = {}
     for name in UNNAMED:
@@ -167,7 +169,7 @@ def selection(
     return Selection(gains, training, validation, unnamed, unsure, of_levels, alike)
 
 
-def _beside_tails(
+def _nats_with_tails(
     validation: Fit, own: NDArray[np.bool_], profile: float, shapes: Shapes
 ) -> float:
     """Return the nats that read noise may gain where it has tails. own : (n,), its

@@ -27,7 +27,7 @@ AROUND = 2  # the sd of what it is compared with, over its own
 ROUND = 8  # degree of polynomials of the place, where spots are not known yet
 SHARP = 3.0  # power of the radius by which a spot falls: between a Gaussian and a disc
 HALF = 0.6  # of a spot's reach, to where half of it is left
-LEFT = 0.25  # of a spot, that must be left beside what is slow
+LEFT = 0.25  # of an amplitude, that a joint fit with slow polynomials must leave
 SINGULAR = 1e-9  # relative: of what is alike only one is measured
 MOST_FITTED = 2**12  # cells, by which what is smooth is fitted
 CLIP = 8.0  # times the noise of a cell
@@ -70,8 +70,9 @@ def spots_of(light: Image, side: int, left_out: NDArray[np.bool_]) -> Spots:
     least = _least(tried)
     white, all_of_it = np.array([_noise_of(float(one)) for one in SIZES]), weights
     spots: list[Found] = []
+    slow = _slow_terms(values.shape, ROUND)
     for number in range(ROUNDS + 1):
-        rest = _without_slow(values, weights)
+        rest = _without_slow(values, weights, slow)
         deviations = list(_deviations(rest, weights))
         more = list(_new_spots(rest, weights, deviations, white, least))
         if not more or number == ROUNDS:
@@ -88,8 +89,11 @@ def spots_of(light: Image, side: int, left_out: NDArray[np.bool_]) -> Spots:
         ]
     )
     strong = [one for one in spots if one.strength > least * noises[one.size]]
-    bent = _without_slow(values, all_of_it, SLOW, weights)
-    found = _places(_needed(strong, rest, bent, all_of_it, noises), noises)
+    if not strong:
+        return Spots(np.zeros((0, 3)), tried)
+    slow = _slow_terms(values.shape, SLOW)
+    bent = _without_slow(values, all_of_it, slow, weights)
+    found = _places(_needed(strong, rest, bent, all_of_it, slow, noises), noises)
     found[:, :2] = found[:, :2] * size + (size - 1) / 2
     found[:, 2] *= size
     return Spots(found, tried)
@@ -118,18 +122,15 @@ def _smoothed(values: Array, weights: Array, scale: float) -> tuple[Array, Array
 
 
 def _without_slow(
-    values: Array,
-    weights: Array,
-    degree: int = ROUND,
-    of_noise: Array | None = None,
+    values: Array, weights: Array, slow: Array, of_noise: Array | None = None
 ) -> Array:
     """Return what is neither slow nor of whole rows or columns, over the noise of a
-    cell, up to CLIP. weights : of cells by which that is known. of_noise : of those by
-    which the noise is; None for the same."""
+    cell, up to CLIP. weights : of cells by which that is known. slow : as of
+    _slow_terms. of_noise : of the cells by which the noise is known; None for the same
+    as weights."""
     at = np.flatnonzero(weights > 0)[:: max(values.size // MOST_FITTED, 1)]
-    terms = _slow_terms(values.shape, degree)
-    fitted, *_ = np.linalg.lstsq(terms[at], values.flat[at], rcond=None)
-    rest = values - (terms @ fitted).reshape(values.shape)
+    fitted, *_ = np.linalg.lstsq(slow[at], values.flat[at], rcond=None)
+    rest = values - (slow @ fitted).reshape(values.shape)
     unknown = weights == 0
     for axis in (0, 1):
         # Of lines all of which is masked, nothing is taken off.
@@ -153,18 +154,20 @@ def _slow_terms(shape: tuple[int, int], degree: int) -> Array:
 
 
 def _needed(
-    spots: Sequence[Found], rest: Array, bent: Array, weights: Array, noises: Array
+    spots: Sequence[Found],
+    rest: Array,
+    bent: Array,
+    weights: Array,
+    slow: Array,
+    noises: Array,
 ) -> list[Found]:
-    """Return the spots that stand out beside all others and beside what is slow, which
-    may bend as much as a mean image's does: amplitudes by least squares, of which the
-    least sure is left out until all are beyond chance, and not far less than without
-    what is slow.
+    """Return the spots that a joint fit with all others and slow polynomials needs.
 
-    rest, bent : what is not slow, with spots left out, and with them. noises : of each
-    size."""
+    The least significant amplitude is dropped until all are beyond chance, and have at
+    least LEFT of what they have in a fit of the spots alone. rest, bent : residuals of
+    slow polynomials that were fitted without the spots, and with them. slow : as of
+    _slow_terms, of the degree of bent. noises : of each size."""
     found, least = list(spots), _least(len(spots))
-    if not found:
-        return found
     root = np.sqrt(weights.ravel())
     rows, columns = np.indices(rest.shape)
     shapes = np.empty((rest.size, len(found)))
@@ -172,7 +175,7 @@ def _needed(
         away = np.hypot(rows - one.row, columns - one.column) / (HALF * one.radius())
         shapes[:, n] = root * np.exp2(-(away**SHARP)).ravel()
     whole, *_ = np.linalg.lstsq(shapes, root * rest.ravel(), rcond=None)
-    slow = root[:, None] * _slow_terms(rest.shape, SLOW)
+    slow = root[:, None] * slow
     known = slow.T @ slow + SINGULAR * np.eye(slow.shape[1])
     shapes -= slow @ np.linalg.solve(known, slow.T @ shapes)
     while found:

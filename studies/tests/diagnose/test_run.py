@@ -196,7 +196,7 @@ def test_errors_are_in_standard_errors_of_the_side_of_the_truth(truth, off):
     assert found == {"prnu.sigma": pytest.approx(off), "prnu.exact": 0.0}
 
 
-def test_missed_names_are_told_by_their_detection_limits():
+def test_missed_names_are_compared_with_their_detection_limits():
     """Of steps of -3 and 2 DN with limits of 2 and 4 the larger counts; without a
     limit, or of unknown truth, there is none."""
     limits = [

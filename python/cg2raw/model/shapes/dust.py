@@ -19,10 +19,10 @@ from cg2raw.model.shapes.light_patterns import (
 )
 from cg2raw.normal import CI95
 from cg2raw.statistics.constant import Array
+from cg2raw.statistics.spots import HALF
 
 NAME = "dust"
 MEGAPIXEL = 1e6
-HALF = 0.6  # of a spot's reach, to where half of its loss is usually left
 SMALLEST = 1.0  # px, of that radius, as the registry bounds it
 STEEPEST = 8.0  # power of the radius by which the loss falls; 2 is a Gaussian
 FEWEST = 6  # pixels of which a spot's five numbers are fitted
