@@ -24,7 +24,7 @@ import sys
 import tempfile
 import time
 from collections import defaultdict
-from pathlib import Path
+from pathlib import Path, PurePath
 
 import pytest
 
@@ -215,14 +215,20 @@ class Coverage:
         return record["digests"] == self.digests_of(scratch, test_file, record)
 
     def tests_of(self, source: str, lines: range | None) -> list[str]:
-        """Return the tests that run some of the lines, quick files first; None: any
-        line of the source."""
+        """Return the tests that run some of the lines, of the folder that mirrors the
+        source's first, then quick files first; None: any line of the source."""
+        inside = source.partition("/")[2]
         files: dict[str, list[str]] = defaultdict(list)
-        for test, those in self.lines[source.partition("/")[2]].items():
+        for test, those in self.lines[inside].items():
             if lines is None or any(line in lines for line in those):
                 files[test.partition("::")[0]].append(test)
-        cost = {file: sum(map(self.seconds.get, some)) for file, some in files.items()}
-        return [test for file in sorted(files, key=cost.get) for test in files[file]]
+        mirror = PurePath("tests", *PurePath(inside).parts[1:-1])
+
+        def order(file: str) -> tuple[bool, float]:
+            cost = sum(map(self.seconds.get, files[file]))
+            return not PurePath(file).is_relative_to(mirror), cost
+
+        return [test for file in sorted(files, key=order) for test in files[file]]
 
 
 def judge(scratch: Scratch, path: str, mutation, tests: list[str], seconds) -> str:

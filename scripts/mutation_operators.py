@@ -47,6 +47,7 @@ PAIRS = [
 NAMES = dict(PAIRS) | {right: left for left, right in PAIRS}
 CONDITIONS = (ast.Name, ast.Attribute, ast.Call, ast.Subscript)
 NOT_CHANGED = {"annotation", "returns", "decorator_list"}
+ARGUMENTS_NOT_CHANGED = {"strict", "optimize"}  # of zip, of einsum
 
 
 @dataclass(frozen=True)
@@ -193,6 +194,8 @@ class _Finder(ast.NodeVisitor):
             end = self.end(node.func)
             self.add(node.func, NAMES[name], end - len(name), end)
         for keyword in node.keywords:
+            if keyword.arg in ARGUMENTS_NOT_CHANGED:
+                continue
             if keyword.arg:
                 end = self.end(keyword)
                 rest = self.source[end : self.end(node)].lstrip()
@@ -200,6 +203,10 @@ class _Finder(ast.NodeVisitor):
                     end = self.source.index(b",", end) + 1
                 self.add(keyword, "", self.start(keyword), end)
         self.generic_visit(node)
+
+    def visit_keyword(self, node: ast.keyword) -> None:
+        if node.arg not in ARGUMENTS_NOT_CHANGED:
+            self.generic_visit(node)
 
     def visit_Return(self, node: ast.Return) -> None:
         if node.value and getattr(node.value, "value", node) is not None:

@@ -35,6 +35,7 @@ FAULTS = {
     "x = [y for y in z if y]": ["x = [y for y in z if not (y)]"],
     "x = np.min(a, axis=b)": ["x = np.max(a, axis=b)", "x = np.min(a, )"],
     "f(a, b=c, d=e)": ["pass", "f(a,  d=e)", "f(a, b=c, )"],
+    "zip(a, b, strict=True)": ["pass"],
     "while a:\n    break": ["while not (a):\n    break", "while a:\n    continue"],
     "def f():\n    return a": ["def f():\n    return None"],
     "def f():\n    raise a": ["def f():\n    pass"],
