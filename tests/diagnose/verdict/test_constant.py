@@ -133,6 +133,17 @@ def test_a_name_needs_the_strength_that_is_its_limit(consistent, share, is_named
     assert ("prnu" in names(found)) == is_named
 
 
+def test_a_level_that_unnamed_structure_may_make_is_not_sure():
+    """Weak bias structure, most of which is the same in all pixels."""
+    sensor = drawn_sensor(829361818)
+    captures = captures_of(829361818, sensor, bias_structure=None)
+    found = diagnose(captures, details=False)
+    assert (found.verdict, names(found)) == ("ambiguous", {"black_level"})
+    assert found.effects[0].ambiguous_with == ["bias_structure"]
+    for one in found.effects[0].parameters.values():
+        assert one.ci95[0] < 0 < one.ci95[1]
+
+
 def test_frames_of_another_iso_or_temperature_are_left_out(consistent):
     found, _ = consistent
     for what in ("ISO", "temperature"):

@@ -273,19 +273,30 @@ def _findings(
             found.selection.gains[name],
             sensor,
             is_provisional,
-            _alike(found, name, values[name]),
+            _alike(found, name, chosen, values[name]),
         )
         for name in chosen
     ]
 
 
 def _alike(
-    found: DarksAndFlats, name: str, values: Mapping[str, Estimate]
+    found: DarksAndFlats,
+    name: str,
+    chosen: Collection[str],
+    values: Mapping[str, Estimate],
 ) -> list[str]:
     """Return the effects that may be in the place of one."""
     others = [FILTER] if _may_be_filtered(found, name, values) else []
     others += [MISMATCH] * (name in found.amplifiers.alike)
+    if name in found.selection.unsure and all(map(_may_be_zero, values.values())):
+        gains = found.selection.gains
+        free = [one for one in MOVES if one not in chosen and gains.get(one, 0.0) > 0]
+        others += [one for one in free if name in MOVES[one]]
     return others + [*found.selection.alike.get(name, ())]
+
+
+def _may_be_zero(one: Estimate) -> bool:
+    return one.ci95[0] <= 0 <= one.ci95[1]
 
 
 def _may_be_filtered(
