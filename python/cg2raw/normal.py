@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 CI95 = 1.959964  # standard errors to each side that hold 95 %
+ABOVE95 = 1.644854  # standard errors below the mean, above which 95 % lie
 MAD = 1.4826  # standard deviations in a median of absolute deviations
 TUKEY_LAMBDA = 0.14  # of the distribution of Tukey's that is nearest to a normal one
 

@@ -170,7 +170,8 @@ class Chart:
 
 @dataclass(frozen=True)
 class DetectionLimit:
-    """The smallest strength of an effect that these captures would have shown."""
+    """How much stronger than in the profile an effect must be to be named in 95 of 100
+    such sets of captures."""
 
     name: str
     parameter: str

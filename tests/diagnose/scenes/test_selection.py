@@ -9,7 +9,12 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.scenes.gram import Gram, Space
-from cg2raw.diagnose.scenes.selection import Selection, _log_chance, limits
+from cg2raw.diagnose.scenes.selection import (
+    Selection,
+    _log_chance,
+    limits,
+    nats_to_be_seen,
+)
 
 LEAST = math.log(4 / 0.01)
 SPACE = Space.of({"one": 1, "two": 1, "both": 1, "other": 1})
@@ -87,23 +92,36 @@ def test_what_fixed_patterns_leave_in_all_frames_is_no_name():
     assert strong.count(["two"]) >= 38
 
 
-def test_a_limit_is_the_strength_that_is_found_half_of_the_time():
-    train, validation = pair([0, 0, 0, 0])
+def test_a_limit_is_the_strength_that_95_of_100_sets_show():
+    _, validation = pair([0, 0, 0, 0])
     strength = limits(SPACE, validation, [], ["one"], LEAST)["one"][0]
-    assert strength == pytest.approx(math.sqrt(2 * (LEAST + 0.5) / 2000), rel=0.1)
-    hits = [
-        "one" in chosen(pair([strength, 0, 0, 0], seed)).names for seed in range(100)
-    ]
-    assert 30 <= sum(hits) <= 80
+
+    def hits(share):
+        theta = [share * strength, 0, 0, 0]
+        return np.mean(["one" in chosen(pair(theta, n)).names for n in range(300)])
+
+    assert 0.91 < hits(1) < 0.98
+    assert hits(0.6) < 0.6
 
 
-def test_a_limit_of_several_parameters_costs_half_a_nat_each():
+@pytest.mark.parametrize("count", [1, 4])
+def test_what_is_to_be_seen_is_gained_in_95_of_100_sets(count):
+    truth = np.zeros((count, 1))
+    truth[0] = math.sqrt(2 * nats_to_be_seen(LEAST, count))
+    rng = np.random.default_rng(count)
+    fitted, seen = truth + rng.standard_normal((2, count, 100_000))
+    gains = (fitted * seen - fitted**2 / 2).sum(axis=0)
+    assert np.mean(gains > LEAST) == pytest.approx(0.95, abs=0.005)
+
+
+def test_a_limit_has_the_unit_of_its_parameter():
     """Columns without noise of their own: the limit is exact."""
     space = Space.of({"one": 1, "two": 2})
     gram = Gram(200, 200.0, np.zeros(3), 200 * np.eye(3))
     found = limits(space, gram, [], ["one", "two"], LEAST)
-    for name, cost in (("one", 0.5), ("two", 1.0)):
-        assert found[name] == pytest.approx(math.sqrt(2 * (LEAST + cost) / 200))
+    for name, count in (("one", 1), ("two", 2)):
+        strength = math.sqrt(2 * nats_to_be_seen(LEAST, count) / 200)
+        assert found[name] == pytest.approx(strength)
 
 
 def test_what_no_scene_shows_has_no_limit():

@@ -227,7 +227,10 @@ def limits(diagnosis: Diagnosis) -> Box:
     if unseen:
         sentences.append(f"These frames cannot show: {', '.join(unseen)}.")
     return Box(
-        "Not found, and how strong it would have had to be", "", pairs, sentences
+        "Not found, and how strong it would have had to be",
+        "more than the profile has of it, to be named in 95 of 100 such sets of frames",
+        pairs,
+        sentences,
     )
 
 

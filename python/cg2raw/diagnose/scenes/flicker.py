@@ -25,6 +25,7 @@ from cg2raw.diagnose.scenes.point import Point
 from cg2raw.diagnose.scenes.predict import offset_variances
 from cg2raw.diagnose.scenes.view import View
 from cg2raw.model.flicker import PADDED, SHORTEST
+from cg2raw.normal import ABOVE95
 from cg2raw.statistics.constant import SMOOTH, polynomials
 
 AMPLITUDES = np.geomspace(1e-4, 0.5, 40)  # relative to light, that are begun with
@@ -116,13 +117,17 @@ class Waves:
         return np.array(found)
 
     def smallest(self, least: float) -> float:
-        """Return the amplitude from which on waves are expected to gain as much, nats;
-        infinite where none is."""
+        """Return the amplitude of waves that gain as much, nats, in 95 of 100 sets;
+        infinite where none does. Two waves of chance phases differ by a wave whose
+        square is 1 - cos(phase) of what it is on average."""
         _, information = self.each
         known = np.trace(information, axis1=2, axis2=3) / 2
         for amplitude in AMPLITUDES:
             more = amplitude**2 / 2 * known
-            if np.median((more - np.log1p(more)).sum(axis=0)) > least + 1:
+            mean = (more - np.log1p(more)).sum(axis=0)
+            spread = (more / (1 + more)) ** 2 * (1 + 2 * more + more**2 / 2)
+            low = mean - ABOVE95 * np.sqrt(spread.sum(axis=0))
+            if np.median(low) > least + 1:
                 return float(amplitude)
         return np.inf
 

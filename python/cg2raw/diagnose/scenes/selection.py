@@ -18,6 +18,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from cg2raw.diagnose.scenes.gram import Array, Gram, Space
+from cg2raw.normal import ABOVE95
 
 Names = frozenset[str]
 UNDERFLOWS = 1000.0  # chi-square, whose chance is then below 1e-200
@@ -168,6 +169,17 @@ def _log_chance(square: float, freedom: int) -> float:
     return (freedom / 2 - 1) * math.log(half) - half - math.lgamma(freedom / 2)
 
 
+def nats_to_be_seen(least: float, parameters: int = 1) -> float:
+    """Return what the true values of an effect must gain on average for those that
+    other scenes fitted, of errors as large, to gain @least in 95 of 100 sets.
+
+    k parameters that are u errors away gain u^2 / 2, and as fitted (u^2 - k) / 2, with
+    a variance of u^2 + 1.5 k."""
+    more = 1.5 * parameters
+    root = ABOVE95 + math.sqrt(ABOVE95**2 + 2 * least + parameters + more)
+    return (root**2 - more) / 2
+
+
 def limits(
     space: Space,
     gram: Gram,
@@ -175,11 +187,10 @@ def limits(
     candidates: Sequence[str],
     least: float,
 ) -> dict[str, Array | None]:
-    """Return the smallest strength that scenes would have shown of each parameter of
-    the effects that are not named, (k,); None of one that no scene shows.
+    """Return the strength that 95 of 100 such sets of scenes would have shown of each
+    parameter of the effects that are not named, (k,); None of one that no scene shows.
 
-    Expected gain of a strength is information / 2 times its square, and the parameters
-    that are fitted cost half a nat each."""
+    Expected gain of a strength is information / 2 times its square."""
     found: dict[str, Array | None] = {}
     chosen = space.index(names)
     for name in candidates:
@@ -189,7 +200,7 @@ def limits(
         if not (information > 1e-9 * np.maximum(scale, 1e-300)).any():
             found[name] = None
             continue
-        needed = 2 * (least + 0.5 * len(own))
+        needed = 2 * nats_to_be_seen(least, len(own))
         with np.errstate(divide="ignore"):
             found[name] = np.sqrt(needed / np.maximum(information, 0))
     return found

@@ -26,7 +26,7 @@ from cg2raw.diagnose.scenes.decide import PHOTONS, WELL, Scenes
 from cg2raw.diagnose.scenes.flicker import chart_series, row_waves
 from cg2raw.diagnose.scenes.pictures import histogram, pictures_of
 from cg2raw.diagnose.scenes.predict import variance_left
-from cg2raw.diagnose.scenes.selection import limits
+from cg2raw.diagnose.scenes.selection import limits, nats_to_be_seen
 from cg2raw.diagnose.stated_shapes import SHAPE_ERROR
 from cg2raw.diagnose.verdict.findings import (
     deciding_captures,
@@ -208,13 +208,12 @@ def _limits(found: Scenes) -> Iterator[DetectionLimit]:
             yield DetectionLimit(one.name, parameter, float(strengths[0]), unit)
     if FLICKER not in named and math.isfinite(found.least_flicker):
         yield DetectionLimit(FLICKER, "amplitude", found.least_flicker, "1")
+    needed = nats_to_be_seen(found.least)
     for name in (WELL, PHOTONS):
         if name in found.names and name not in named:
             one = effect(name)
             gain = one.expected_gain(found.selected)
-            seen = [
-                s for s in STRENGTHS if gain and gain(float(s)) >= found.least + 0.5
-            ]
+            seen = [s for s in STRENGTHS if gain and gain(float(s)) >= needed]
             if seen:
                 parameter, unit = one.parameters[0], one.units[0]
                 yield DetectionLimit(name, parameter, float(seen[0]), unit)
