@@ -80,6 +80,7 @@ def correlation_at(
     a = a[:, : width - abs(right)]
     b = second[max(down, 0) : height - max(-down, 0), max(right, 0) :]
     b = b[:, : width - abs(right)]
+    if np.ptp(a) == 0 or np.ptp(b) == 0:
+        return 0.0
     a, b = a - a.mean(dtype=np.float64), b - b.mean(dtype=np.float64)
-    size = np.sqrt((a * a).sum() * (b * b).sum())
-    return float((a * b).sum() / size) if size > 0 else 0.0
+    return float((a * b).sum() / np.sqrt((a * a).sum() * (b * b).sum()))

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright Contributors to the cg2raw Project.
+"""Phase correlation: planted shifts of a picture, whatever its light and size."""
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter
+from scipy.ndimage import shift as moved
+
+from cg2raw.diagnose.captures.phase_correlation import Shift, shift_between, vertex
+
+
+def picture(shape=(180, 241), seed=1):
+    """Return blobs of a few samples, brighter to one side."""
+    rng = np.random.default_rng(seed)
+    blobs = gaussian_filter(rng.normal(size=shape), 2.0)
+    return blobs / blobs.std() + np.linspace(0, 2, shape[1])
+
+
+@pytest.mark.parametrize("by", [(0, 0), (3, -5), (-7.4, 2.3), (0.5, 11.6)])
+@pytest.mark.parametrize("light", [(1.0, 0.0), (1e-4, 50.0)])
+def test_a_planted_shift(by, light):
+    """An odd number of columns, and light that is weaker or on top of an offset."""
+    first = picture()
+    gain, offset = light
+    found = shift_between(first, gain * moved(first, by, mode="nearest") + offset)
+    assert (found.down, found.right) == pytest.approx(by, abs=0.1)
+    assert found.correlation > 0.9
+
+
+def test_another_picture_does_not_correlate():
+    for seed in range(2, 8):
+        assert abs(shift_between(picture(), picture(seed=seed)).correlation) < 0.5
+
+
+def test_nothing_in_a_picture_is_no_shift():
+    flat = np.full((20, 31), 0.3)
+    assert shift_between(flat, flat) == Shift(0.0, 0.0, 0.0)
+    for pair in [(flat, picture(flat.shape)), (picture(flat.shape), flat)]:
+        assert shift_between(*pair).correlation == 0
+
+
+def test_a_peak_is_that_of_a_gaussian():
+    """Three samples of one are enough, also around the end of a line."""
+    for peak, at in ((10, 10.3), (0, -0.4), (31, 30.8)):
+        away = (np.arange(32) - at + 16) % 32 - 16
+        line = np.exp(-(away**2) / 2)
+        assert peak + vertex(line, peak) == pytest.approx(at, abs=1e-9)
+    assert vertex(np.ones(8), 3) == 0.0
