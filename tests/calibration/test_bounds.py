@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.stats import norm, truncnorm
+from scipy.stats import chi2, norm, truncnorm
 
 from calibration.planted import RANGE, SHAPE, sensor_of
 from cg2raw import _core
@@ -166,3 +166,33 @@ def test_a_pattern_below_a_hundredth_of_the_noise_is_in_the_profile():
     figure = Figure("DSNU", "DN", 0.32, 0.014, low, high)
     found = effects_found(found_with(fit=Fitted([figure])), False)["dsnu"]["sigma"]
     assert found.value == pytest.approx(0.32 / RANGE)
+
+
+@pytest.mark.parametrize("shape", [(100, 90), (193, 40), (1000, 400)])
+def test_a_map_has_few_cells_of_equal_means(shape, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(report, "map_image", lambda cells, *_: drawn.append(cells))
+    values = np.add.outer(np.arange(shape[0]), np.arange(shape[1])).astype(float)
+    report.drawn_map("map", values, "DN")
+    side = -(-max(shape) // 192)
+    assert drawn[0].shape == (shape[0] // side, shape[1] // side)
+    assert drawn[0][0, 0] == side - 1  # the mean of the first cell
+    assert drawn[0][1, 1] - drawn[0][0, 0] == 2 * side
+
+
+@pytest.mark.parametrize("freedom", [1.0, 4.0, 30.0])
+def test_a_drift_that_chance_makes_is_none(freedom):
+    """Chi-square of so many freedoms is as large in 1 of 740."""
+    floor, largest = 4.0, chi2(freedom).isf(0.00135) / freedom
+
+    def drift_of(total):
+        high = total * freedom / chi2(freedom).ppf(0.025) - floor
+        square, end = max(total - floor, 0.0), float(np.sqrt(high))
+        drift = Figure(
+            "black level drift", "DN", square**0.5, 1.0, 0.0, end, freedom=freedom
+        )
+        answers = effects_found(found_with(fit=Fitted((drift,))), False)
+        return answers["black_level_drift"]
+
+    assert drift_of(floor * largest * 0.99) is None
+    assert drift_of(floor * largest * 1.01) is not None

@@ -115,6 +115,22 @@ def test_the_profile_has_what_was_planted_and_nothing_else():
     assert row["beta1"][2] * RANGE == pytest.approx(1 / GAIN, rel=0.03)
 
 
+def test_darks_of_two_exposures_need_no_others():
+    assert not any("need darks of two exposures" in note for note in found(1).notes)
+
+
+@pytest.mark.parametrize(
+    ("cfa", "names"),
+    [
+        ("RGGB", ["R", "Gr", "Gb", "B"]),
+        ("GBRG", ["Gb", "B", "R", "Gr"]),
+        ("MONO", [""]),
+    ],
+)
+def test_names_of_sites(cfa, names):
+    assert [*sites_of(SimpleNamespace(cfa=cfa)).names] == names
+
+
 def test_a_sensor_without_effects_gets_none():
     sensor = sensor_of()
     profile = json.loads(calibrate(sensor, frames_of(sensor)).updated_profile())

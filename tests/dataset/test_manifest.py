@@ -12,6 +12,7 @@ import pytest
 
 import cg2raw
 from cg2raw import read_dng_metadata
+from cg2raw.dataset.manifest import FITS
 from cg2raw.io.image_file import read_image
 from dataset.data_sets import check_agreement, rows, scene
 from python.commands import run
@@ -185,3 +186,19 @@ def test_layers_and_windows_are_those_of_convert(tmp_path):
         cg2raw.write_dng(tmp_path / "same.dng", raw, preview=False)
         assert (tmp_path / "same.dng").read_bytes() == (out / row["path"]).read_bytes()
     assert not image.pixels[:3].any() and image.pixels[3:43].any()
+
+
+@pytest.mark.parametrize(
+    ("kind", "fit", "do_not"),
+    [
+        ("int32", [-(2**31), 2**31 - 1], [-(2**31) - 1, 2**31, 1.0, True, "1"]),
+        ("int64", [-(2**63), 2**63 - 1], [-(2**63) - 1, 2**63]),
+        ("uint64", [0, 2**64 - 1], [-1, 2**64]),
+        ("double", [0.5, -(2**53), 2**53], [-(2**53) - 1, 2**53 + 1, None]),
+        ("list", [[], [0.5, 1]], [[None], (0.5,)]),
+        ("integers", [[-(2**31), 3]], [[2**31], [0.5]]),
+        ("strings", [["a"]], [[1], "a"]),
+    ],
+)
+def test_what_a_column_holds(kind, fit, do_not):
+    assert all(map(FITS[kind], fit)) and not any(map(FITS[kind], do_not))

@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """cg2raw convert: the same bytes as the other routes, and what it refuses."""
 
+import argparse
 import json
 import shutil
 
@@ -10,6 +11,7 @@ import OpenImageIO as oiio
 import pytest
 
 import cg2raw
+from cg2raw.cli.convert import exposure_words, workers
 from cg2raw.io.image_file import read_image
 from images import read_dn, write_image
 from match.match_sets import match_file
@@ -337,14 +339,18 @@ def test_other_primaries_and_spaces_are_refused(tmp_path, scene):
     assert "--tocolorspace" in line
 
 
-def test_method_upi_is_the_class_upi(exr, scene, tmp_path):
+@pytest.mark.parametrize("gain", [None, 0.5])
+def test_method_upi_is_the_class_upi(exr, scene, tmp_path, gain):
     out, same = tmp_path / "shot.dng", tmp_path / "same.dng"
     words = [*UPI, "--seed", 3, "--noise", "upi"]
     words += ["--upi-sensors", "nikon-d40,canon-5d", "--upi-gains", "camera"]
+    words += [] if gain is None else ["--digital-gain", gain]
+    given = {} if gain is None else {"digital_gain": gain}
     done = commands.run("convert", exr, "-o", out, *words, "--json")
     assert done.code == 0, done.err
+    matrices = ["nikon-d40", "canon-5d"]
     upi = cg2raw.Upi(
-        "nikon-d40", matrices=["nikon-d40", "canon-5d"], gains="camera", noise="upi"
+        "nikon-d40", matrices=matrices, gains="camera", noise="upi", **given
     )
     cg2raw.write_dng(same, upi.simulate(scene, seed=3), shot=read_image(exr).shot)
     assert out.read_bytes() == same.read_bytes()
@@ -352,3 +358,34 @@ def test_method_upi_is_the_class_upi(exr, scene, tmp_path):
     assert file["method"] == "upi"
     assert file["upi"]["red_gain"] == upi.draw(3).red_gain
     assert list(file["upi"]["weights"]) == ["nikon-d40", "canon-5d"]
+
+
+EXPOSURE = {
+    "meter": None, "stops": 0.0, "bracket": None, "scene_luminance": None,
+    "exposure_time": 0.01, "f_number": 5.6,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("known", "words"),
+    [
+        ({}, []),
+        ({"stops": -1.5, "meter": 0.2}, ["exposure -1.50"]),
+        ({"meter": 0}, ["black: nothing to be metered, exposure 0"]),
+        ({"stops": 1.0, "bracket": -2.0}, ["1/100 s", "exposure -1.00"]),
+        (
+            {"scene_luminance": 100.0, "stops": 1.0},
+            ["1/100 s", "f/5.6", "exposure +1.00"],
+        ),
+        ({"scene_luminance": 100.0, "exposure_time": 2.5}, ["2.5 s", "f/5.6"]),
+    ],
+)
+def test_what_is_said_of_an_exposure(known, words):
+    assert exposure_words(EXPOSURE | known) == words
+
+
+def test_workers_are_a_number_above_0():
+    assert workers("3") == 3
+    for text in ("0", "-1", "two"):
+        with pytest.raises(argparse.ArgumentTypeError):
+            workers(text)

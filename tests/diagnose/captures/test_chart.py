@@ -100,6 +100,8 @@ def test_a_colorchecker_may_be_turned(turns):
             chart.scene()[row, col], upright.colors[patch], rtol=1e-6
         )
         assert chart.mask()[row, col]
+    between = upright.scene()[30, 30]
+    np.testing.assert_allclose(between, upright.colors.mean(axis=0), rtol=1e-6)
     # Of a pitch of 20 pixels, the middle 0.6 of patches that are 0.85 of it; sides of
     # 10.2 pixels are 10 or 11.
     assert chart.mask().sum() == pytest.approx(24 * 10.2**2, rel=0.2)

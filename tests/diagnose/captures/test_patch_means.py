@@ -7,7 +7,7 @@ import pytest
 
 import cg2raw
 from cg2raw.diagnose.captures.chart import COLORCHECKER_NAMES
-from cg2raw.diagnose.captures.chart_table import plain
+from cg2raw.diagnose.captures.chart_table import plain, read_colors
 from cg2raw.diagnose.captures.patch_means import Table, with_bounds
 from cg2raw.diagnose.captures.reader import read_captures, read_frames
 from cg2raw.diagnose.captures.splits import GROUPS
@@ -81,6 +81,12 @@ def test_colours_of_a_table(tmp_path, head, row, expected):
     line = LINE.replace("colorchecker", "colours.csv")
     means, _ = means_of(tmp_path, f"{HEAD}\na1,1,2,3,4\n", line)
     np.testing.assert_allclose(means.colors[0], expected, atol=1e-3)
+
+
+def test_a_colour_that_is_there_twice_is_told_by_its_line(tmp_path):
+    table(tmp_path, "patch,r,g,b\nA1,1,1,1\na1,0,0,0\n", "colours.csv")
+    with pytest.raises(ValueError, match=':3: patch "a1" is there twice'):
+        read_colors(str(tmp_path / "colours.csv"))
 
 
 def test_colours_of_the_manifest(tmp_path):

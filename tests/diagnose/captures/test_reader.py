@@ -45,6 +45,15 @@ def test_a_set_of_dngs_is_read_as_it_was_written(tmp_path):
     assert light.neutral == pytest.approx(expected, abs=1e-5)
 
 
+def test_what_is_said_of_the_set(tmp_path):
+    path = files.standard_set(tmp_path)
+    said = "nuisance: [light]\nuncertainty: {light: 0.01}\n"
+    path.write_text(said + path.read_text())
+    captures = read_captures(path)
+    assert captures.nuisances == {"light"} and captures.uncertainty == {"light": 0.01}
+    assert captures.file == str(path)
+
+
 def test_an_npy_needs_what_a_dng_says(tmp_path):
     raw = files.frame(tmp_path, "flat.npy", files.picture())
     line = "{file: flat.npy, kind: flat, scene: unknown"
