@@ -12,7 +12,14 @@ from cg2raw.diagnose.diagnosis import Estimate
 from cg2raw.diagnose.effects.catalogue import effect
 from cg2raw.diagnose.effects.lens_shading import CORNERS, corner_losses
 from cg2raw.diagnose.scenes.predict import predict
-from diagnose.planted import FULL_WELL, capture_of, frames_of, model_of, sensor_of
+from diagnose.planted import (
+    FULL_WELL,
+    capture_of,
+    frames_of,
+    model_of,
+    sensor_of,
+    stating,
+)
 
 # Of a lens that is not round.
 SHADING = (-0.2, 0.05, -0.03, 0.04, -0.02, 0.03, 0.01, *np.linspace(-0.05, 0.06, 20))
@@ -96,6 +103,15 @@ def test_shares_of_white_are_said_in_dn_and_electrons(name):
         dn = 2e-4 * (camera.white_level - camera.black_level[0])
         words = effect(name).size_on(values, camera)
         assert f"{dn:.3g} DN{electrons}" in words and "of white" not in words
+
+
+def test_what_the_profile_says_stands_beside_it():
+    values = {"sigma": Estimate(0.006, "1", (0.005, 0.007))}
+    sensor = stating(sensor_of(), {"prnu": {"sigma": 0.004}})
+    assert effect("prnu").size_on(values, sensor) == (
+        "standard deviation 0.6 % of the signal; by the profile, standard deviation "
+        "0.4 % of the signal"
+    )
 
 
 def test_gains_of_pixels_are_no_share_of_white():
