@@ -30,7 +30,7 @@ def test_a_first_guess_is_the_best_correlation(shift):
 def test_a_smooth_error_of_light_is_of_products_of_legendre_polynomials():
     [frame] = frames_of(SENSOR, [capture_of()])
     asked = CaptureSet(SENSOR, [], frozenset({"radiance"}))
-    of_light = {n.name: n.change / frame.camera for n in nuisances_of(asked, frame, 1)}
+    of_light = {n.name: n.down * n.across for n in nuisances_of(asked, frame, 1)}
     down, across = of_light["field 1 0"], of_light["field 0 1"]
     assert of_light["field 1 2"] == pytest.approx(down * (3 * across**2 - 1) / 2)
 

@@ -47,12 +47,16 @@ SLOPE = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60  # derivative, to the sixth or
 class Nuisance:
     """One column. own : each view has its own; else all of a set have it together.
 
-    change : (T, 3, H, W) of the camera RGB of blocks."""
+    change : (T, 3, H, W) of the camera RGB of blocks. down, across : (T, h, 1) and
+    (T, 1, w), by which what it does to samples is multiplied: they hardly differ over
+    the reach of a lens."""
 
     name: str
     deviation: float
     own: bool
     change: Array
+    down: Array | float = 1.0
+    across: Array | float = 1.0
 
 
 def nuisances_of(
@@ -74,9 +78,11 @@ def nuisances_of(
         least["radiance"] = UNEVEN_CHART
     camera = frame.camera.astype(np.float64)
     is_table = frame.samples is not None
-    v, u = frame.tiles.places(with_margin=True)
+    v, u = frame.tiles.places()
     if flicker is not None:
-        rows = v * np.hypot(*frame.tiles.shape) / 2
+        rows = (
+            frame.tiles.places(with_margin=True)[0] * np.hypot(*frame.tiles.shape) / 2
+        )
         for k, wave in enumerate(mains_flicker.EFFECT.waves(flicker, rows)):
             change = camera * wave[:, None]
             yield Nuisance(f"flicker {k}", 1 / np.sqrt(n), True, change)
@@ -96,15 +102,16 @@ def nuisances_of(
     if shows.image and "radiance" in free:
         y, x = to_edge(v), to_edge(u)
         for a, b in fields(DEGREES):
-            change = camera * (legendre(a, y) * legendre(b, x))[:, None]
-            yield Nuisance(f"field {a} {b}", least["radiance"] / (a + b), False, change)
+            doubt = least["radiance"] / (a + b)
+            sides = legendre(a, y), legendre(b, x)
+            yield Nuisance(f"field {a} {b}", doubt, False, camera, *sides)
     if shows.render and is_blurred:
         yield Nuisance("wings of blur", WINGS, False, wings(camera))
     if shows.render and "registration" in free:
         for name, axis in (("row", 2), ("column", 3)):
             slope = correlate1d(camera, SLOPE, axis=axis, mode="nearest")
-            for place, by in (("", 1.0), (" v", v[:, None]), (" u", u[:, None])):
-                yield Nuisance(name + place, POSE_DEVIATION, False, slope * by)
+            for place, *by in (("", 1.0, 1.0), (" v", v, 1.0), (" u", 1.0, u)):
+                yield Nuisance(name + place, POSE_DEVIATION, False, slope, *by)
         once = laplacian(camera)
         for name, change, deviation in zip(
             ("sharpness", "fine sharpness"),

@@ -8,7 +8,7 @@ less than a millisecond for 100,000 pixels: a derivative is the difference of tw
 predictions, exact to rounding, and a new effect needs no code here.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -146,8 +146,8 @@ def normal_of(
             continue
         for k, column in enumerate(derivatives(point, effect)):
             rows[space.slices[effect.name].start + k] = (column * root).ravel()
-    for k, nuisance in enumerate(nuisances):
-        rows[space.size + k] = (by_light(point, nuisance.change) * root).ravel()
+    for k, column in enumerate(by_nuisances(point, nuisances)):
+        rows[space.size + k] = (column * root).ravel()
     used = root.ravel() > 0
     residual = point.z.ravel() + theta.astype(np.float32) @ rows[: space.size]
     rows[-1] = residual
@@ -295,6 +295,16 @@ def by_light(point: Point, change: Array) -> Array:
     step = STEP * max(float(frame.camera.max()), LEAST_LIGHT) / size
     ahead = mean_of(point.model, frame, frame.camera + step * change)
     return np.asarray((ahead - point.base) / step)
+
+
+def by_nuisances(point: Point, nuisances: Iterable[Nuisance]) -> Iterator[Array]:
+    """Yield the derivative of the mean by each nuisance, (T, h, w); of several that
+    are one change it is worked out once."""
+    change, column = None, np.zeros(0)
+    for one in nuisances:
+        if one.change is not change:
+            change, column = one.change, by_light(point, one.change)
+        yield column * one.down * one.across
 
 
 def mean_of(model: Model, frame: Frame, camera: Array | None = None) -> Array:

@@ -16,6 +16,7 @@ from cg2raw.diagnose.scenes.nuisances import Nuisance, fields, legendre, to_edge
 from cg2raw.diagnose.scenes.point import (
     Point,
     by_light,
+    by_nuisances,
     offsets_of,
     products_of,
     without_offsets,
@@ -75,7 +76,7 @@ class Residuals:
     ) -> Array:
         root, used = point.root, point.root > 0
         z = point.z[used]
-        changes = [by_light(point, one.change) for one in nuisances]
+        changes = [*by_nuisances(point, nuisances)]
         every = [*changes, *(column for _, columns in questions for column in columns)]
         rows = [(column * root)[used] for column in every]
         normal = Normal(len(z), *products_of(np.array([*rows, z]), point))
