@@ -150,14 +150,15 @@ def _edges(point: Point) -> list[Array]:
     """Return columns of a render that is displaced, bent, or blurred in a direction."""
     frame = point.frame
     camera = frame.camera.astype(float)
-    v, u = frame.tiles.places(with_margin=True)
-    v, u = v[:, None], u[:, None]
-    down, across = (np.gradient(camera, axis=axis) for axis in (2, 3))
-    square = v**2 + u**2
-    twice = [np.gradient(a, axis=n) for a, n in ((down, 2), (down, 3), (across, 3))]
-    changes = [down, across, *twice, (down * v + across * u) * square]
-    changes += [slope * by for slope in (down, across) for by in (v * v, u * v, u * u)]
-    return [by_light(point, change) for change in changes]
+    v, u = frame.tiles.places()
+    slopes = [np.gradient(camera, axis=axis) for axis in (2, 3)]
+    twice = [np.gradient(slopes[k], axis=axis) for k, axis in ((0, 2), (0, 3), (1, 3))]
+    changes = [by_light(point, change) for change in (*slopes, *twice)]
+    down, across = changes[:2]
+    changes.append((down * v + across * u) * (v**2 + u**2))
+    return changes + [
+        one * by for one in (down, across) for by in (v * v, u * v, u * u)
+    ]
 
 
 def _hats(x: Array, count: int) -> list[Array]:
