@@ -320,6 +320,8 @@ def start_of(
         free[at] = of_signature[component.signature]
         if parameters.sites == 1 and component.name.startswith("color_shading"):
             free[at] = False
+    if first.frames[flats].sum() < 2:  # what is new in every flat looks like the lens
+        free[parameters.are(["lamp", "mains_flicker"])] = False
     free[parameters.of("dark_current")] = has_times
     if first.frames[darks].sum() < 3:  # two times: read noise would look the same
         free[parameters.of("dsnu and dark current")] = False
@@ -394,6 +396,14 @@ def _start_noise(
     signal = plane.signal(theta)
     again = plane.measured
     free[gain] = np.ptp(signal[again]) > 0 or not free[read]
+    if profile is not None and profile[gain] > 0:
+        if plane.is_flat.any() and not again[plane.is_flat].any():
+            # One flat has PRNU as well. By darks alone the gain may be anything where
+            # its error is larger than itself.
+            weights = plane.freedom[again, PIXEL] / plane.scatter[again, PIXEL] ** 2 / 2
+            mean = weights @ signal[again] / max(weights.sum(), 1e-300)
+            away = signal[again] - mean
+            free[gain] &= weights @ away**2 * profile[gain] ** 2 > 1
     if profile is not None and not free[gain]:
         theta[gain] = profile[gain]
     names = [place(c.name) for c in TEMPORAL]

@@ -17,7 +17,6 @@ from cg2raw.model.levels import CUT
 from cg2raw.model.mean_images import low_of, middle_of
 from cg2raw.model.planes import PlaneLikelihood
 from cg2raw.model.smallest_set import Way, smallest_set
-from cg2raw.model.structure import low_noise
 from cg2raw.statistics.constant import PIXEL, Array
 
 FREE = 1e4  # variance of a nuisance that may be anything
@@ -203,7 +202,7 @@ def flat_levels(
     of_color = alike @ light_of / alike.sum(axis=1, keepdims=True)
     predicted = np.where(is_known, predicted[:, groups], of_color)
     frames = planes[0].frames[groups]
-    noise = [plane.level_noise() for plane in planes]
+    noise = [plane.level_noise(found.theta) for plane in planes]
     variance = np.array([pixel[groups] + lines[groups] for pixel, lines in noise])
     covariance = np.diag((variance / frames / light_of**2).ravel() + LEAST_ERROR**2)
     own, count = found.parameters.each("black_level"), len(planes)
@@ -234,7 +233,7 @@ def flat_levels(
         covariance += FREE * one_color
     ratios = light_of / predicted
     if is_shaded or is_colored:
-        brighter, more = _middles(planes, groups, light_of, is_colored)
+        brighter, more = _middles(planes, groups, light_of, is_colored, found.theta)
         ratios = ratios * (1 + (brighter * shaded)[:, None])
         covariance += more[np.ix_(site, site)]
     ratios = ratios.ravel()
@@ -247,6 +246,7 @@ def _middles(
     groups: NDArray[np.int64],
     light: Array,
     is_colored: bool,
+    theta: Array,
 ) -> tuple[Array, Array]:
     """Return (sites,) how much brighter the middle is than the mean, relative, and the
     covariance of that. Where light slopes, sites differ by their places."""
@@ -258,7 +258,9 @@ def _middles(
         values[site] = above[groups] / light[site]
         level = low[groups, 0, 0] / np.sqrt(plane.plane.masked.size)
         moved[site] = level / light[site]
-        noise = low_noise(plane)[groups, PIXEL] / plane.frames[groups] / samples
+        noise = (
+            plane.usual_scatter(theta)[groups, PIXEL] / plane.frames[groups] / samples
+        )
         variances[site] = noise / light[site] ** 2
     axis = 1 if is_colored else None
     total = (1 / variances).sum(axis=axis)

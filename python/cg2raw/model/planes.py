@@ -297,17 +297,29 @@ class PlaneLikelihood:
             self.scatter[used], expected[used], by[used], self.freedom[used]
         )
 
-    def level_noise(self) -> tuple[Array, Array]:
+    def usual_scatter(self, theta: Array | None = None) -> Array:
+        """Return (G, 8) DN^2, the scatter; of groups without repeats that of the darks
+        that have them, or of all. theta : of a fit, by whose gain their shot noise is
+        another."""
+        found: Array = self.scatter.copy()
+        usual = self.measured & ~self.is_flat
+        usual = usual if usual.any() else self.measured
+        if usual.any() and (alone := ~self.measured).any():
+            found[alone] = found[usual].mean(axis=0)
+            if theta is not None:
+                noise = self.noise(theta)
+                found[alone] += (noise[alone] - noise[usual].mean())[:, None]
+        return found
+
+    def level_noise(self, theta: Array | None = None) -> tuple[Array, Array]:
         """Return (G,) DN^2 each, the variances of a frame's level by the noise of its
-        pixels and of its lines, as measured; without repeats, those of the darks."""
-        pixel = self.scatter[:, PIXEL]
-        lines = self.scatter[:, list(FAST_LINES)].sum(axis=1) - 2 * pixel
+        pixels and of its lines, as of usual_scatter."""
+        scatter = self.usual_scatter(theta)
+        pixel = scatter[:, PIXEL]
+        lines = scatter[:, list(FAST_LINES)].sum(axis=1) - 2 * pixel
         low = self.correlation[:, PARTS.index("field")]
         found = np.array([pixel * (1 + low), np.maximum(lines, 0)])
         found *= self.plane.copies.level / (self.plane.left * self.plane.masked.size)
-        usual = self.measured & ~self.is_flat
-        if usual.any():
-            found[:, ~self.measured] = found[:, usual].mean(axis=1, keepdims=True)
         return found[0], found[1]
 
 

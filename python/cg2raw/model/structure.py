@@ -56,7 +56,7 @@ def _in_plane(
     is_seen = bool((np.isfinite(largest) & (largest > 0)).all())  # codes may hide all
     if not is_seen or np.linalg.matrix_rank(design / largest) < design.shape[1]:
         return (*NOT_KNOWN, 0 * found.theta)
-    noises = low_noise(plane)
+    noises = plane.usual_scatter(found.theta)
     weighted = design / (noises[:, PIXEL] / plane.frames)[:, None]
     weights = np.linalg.solve(weighted.T @ design, weighted.T)
     weights = weights[list(signatures).index(wanted)]
@@ -98,16 +98,6 @@ def _by_light(
     slopes[place("dark_current")] = weights @ plane.time
     drift = max(float(found.theta[place("black_level_drift")]), 0.0)
     return slopes, float(drift * weights**2 @ (1 / plane.frames))
-
-
-def low_noise(plane: PlaneLikelihood) -> Array:
-    """Return (G, 8) variances of a frame's coefficients as measured; of groups without
-    repeats, the mean of the darks' that have them, or of all."""
-    usual = plane.measured & ~plane.is_flat
-    usual = usual if usual.any() else plane.measured
-    mean = plane.scatter[usual].mean(axis=0)
-    found: Array = np.where(plane.measured[:, None], plane.scatter, mean)
-    return found
 
 
 def _patterns_in(

@@ -160,6 +160,32 @@ def test_a_level_that_unnamed_structure_may_make_is_not_sure():
         assert one.ci95[0] < 0 < one.ci95[1]
 
 
+def with_one_flat(captures):
+    """Keep the first flat of each split, and all darks."""
+    flats = [c.name for c in captures.captures if c.kind == "flat"]
+    kept = {next(n for n in flats if n.startswith(g)) for g in ("fit", "sel", "rep")}
+    some = [c for c in captures.captures if c.kind == "dark" or c.name in kept]
+    return replace(captures, captures=some)
+
+
+@pytest.mark.parametrize(
+    ("seed", "hidden", "verdict"),
+    [
+        *[(120, {}, "consistent"), (123, {}, "consistent")],
+        (120, {"lens_shading": 0.2}, "explained"),
+        (120, {"prnu": 0.01}, "ambiguous"),
+    ],
+)
+def test_one_flat_of_each_split(seed, hidden, verdict):
+    """Its noise is that of the fit, and it does not tell PRNU from shot noise."""
+    captures = captures_of(seed - 100, drawn_sensor(seed), **hidden)
+    found = diagnose(with_one_flat(captures), details=False)
+    assert (found.verdict, names(found)) == (verdict, {*hidden})
+    if verdict == "ambiguous":
+        assert found.effects[0].ambiguous_with == ["shot_noise"]
+        assert "Several flats of one level" in found.next_captures[0]
+
+
 def test_frames_of_another_iso_or_temperature_are_left_out(consistent):
     found, _ = consistent
     for what in ("ISO", "temperature"):

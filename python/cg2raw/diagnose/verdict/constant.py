@@ -288,6 +288,8 @@ def _alike(
     """Return the effects that may be in the place of one."""
     others = [FILTER] if _may_be_filtered(found, name, values) else []
     others += [MISMATCH] * (name in found.amplifiers.alike)
+    if name == "prnu" and "shot_noise" not in found.selection.gains:
+        others += ["shot_noise"]  # flats that nothing repeats have both in their pixels
     if name in found.selection.unsure and all(map(_may_be_zero, values.values())):
         gains = found.selection.gains
         free = [one for one in MOVES if one not in chosen and gains.get(one, 0.0) > 0]
