@@ -23,11 +23,12 @@ MOST_SHIFT, MOST_TEXTURE = 0.5, 0.1  # px; relative
 
 
 def noise_factors(points: Sequence[Point], residuals: Sequence[Array]) -> Array:
-    """Return what multiplies the variance of light and that of the read-out, (2,).
+    """Return what multiplies the variance of light and that of the read-out, (2,);
+    what else the model has of noise, as by rounding, stays.
 
     residuals : (T, h, w) of the mean images; of a view whose frames repeat, what these
     differ by is used instead."""
-    photon, read, square, freedom = [], [], [], []
+    photon, read, others, square, freedom = [], [], [], [], []
     for point, residual in zip(points, residuals, strict=True):
         frame, view = point.frame, point.view
         used = point.root > 0
@@ -36,18 +37,21 @@ def noise_factors(points: Sequence[Point], residuals: Sequence[Array]) -> Array:
         rest = point.model.noise_gain("beta2") * frame.beta2
         read.append(np.broadcast_to(rest, used.shape)[used])
         own = (view.away**2).sum(0) / (view.n - 1) if view.n > 1 else residual**2
+        whole = point.frame_variance if view.n > 1 else point.noise_variance
+        others.append(np.maximum(whole[used] - photon[-1] - read[-1], 0))
         square.append(own[used])
         freedom.append(np.full(used.sum(), max(view.n - 1, 1)))
     parts = np.array([np.concatenate(photon), np.concatenate(read)])
-    squares, weights = np.concatenate(square), np.concatenate(freedom)
+    rest, squares = np.concatenate(others), np.concatenate(square)
+    weights = np.concatenate(freedom)
     factors = np.ones(2)
     for _ in range(ROUNDS):
-        expected = factors @ parts
+        expected = factors @ parts + rest
         near = squares < FARTHEST * expected
         weight = near * np.sqrt(weights) / expected
         # Where light is bright, nothing tells the read noise: then it is the profile's.
         design = np.vstack([(parts * weight).T, np.sqrt(2) * np.eye(2)])
-        target = np.concatenate([squares * weight, np.full(2, np.sqrt(2))])
+        target = np.concatenate([(squares - rest) * weight, np.full(2, np.sqrt(2))])
         factors = nnls(design, target)[0]
         factors = np.maximum(factors, LEAST_FACTOR)
     return factors
