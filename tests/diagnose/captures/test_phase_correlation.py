@@ -7,7 +7,12 @@ import pytest
 from scipy.ndimage import gaussian_filter
 from scipy.ndimage import shift as moved
 
-from cg2raw.diagnose.captures.phase_correlation import Shift, shift_between, vertex
+from cg2raw.diagnose.captures.phase_correlation import (
+    Shift,
+    shift_between,
+    vertex,
+    windowed,
+)
 
 
 def picture(shape=(180, 241), seed=1):
@@ -26,6 +31,14 @@ def test_a_planted_shift(by, light):
     found = shift_between(first, gain * moved(first, by, mode="nearest") + offset)
     assert (found.down, found.right) == pytest.approx(by, abs=0.1)
     assert found.correlation > 0.9
+
+
+def test_an_offset_of_light_moves_nothing():
+    first, second = picture(), moved(picture(), (3.3, -5.2), mode="nearest")
+    found, lifted = shift_between(first, second), shift_between(first + 9, second)
+    assert (lifted.down, lifted.right) == pytest.approx((found.down, found.right))
+    assert windowed(first + 9) == pytest.approx(windowed(first), abs=1e-12)
+    assert not windowed(first)[[0, -1]].any() and not windowed(first)[:, [0, -1]].any()
 
 
 def test_another_picture_does_not_correlate():

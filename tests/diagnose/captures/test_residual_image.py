@@ -10,7 +10,8 @@ import pytest
 from cg2raw import Sensor
 from cg2raw.diagnose.captures.residual_image import Blocks, residual_images
 from diagnose import capture_files as files
-from diagnose.planted import capture_of
+from diagnose.planted import capture_of, x_trans
+from oracles import cameras
 
 SENSOR = Sensor("canon-70d")
 BLACK, READ, WHITE = float(np.mean(SENSOR.black_level)), 8.0, 15000.0  # DN
@@ -30,6 +31,14 @@ def shot(kind, name, level, seed, **given):
     raw = np.rint(BLACK + level + noise).clip(0, WHITE).astype(np.uint16)
     capture = replace(capture_of(kind, 1), name=name, shape=SHAPE, raw=lambda: raw)
     return replace(capture, **given)
+
+
+MONO = Sensor.from_json(cameras.mono_text(id="mono"))
+
+
+@pytest.mark.parametrize(("sensor", "side"), [(SENSOR, 4), (x_trans(), 6), (MONO, 4)])
+def test_blocks_are_whole_repeats_of_the_cfa(sensor, side):
+    assert Blocks(sensor).side == side
 
 
 def found(lags, scenes=(1, 2), first=10):

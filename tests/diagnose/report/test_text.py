@@ -88,6 +88,40 @@ def test_what_the_profile_has_already_is_not_missing():
     assert words.headline(alone) == "Row noise is not as the profile says"
 
 
-def test_long_runs_are_told_in_minutes():
-    assert words.duration(12.34) == "12.3 s"
-    assert words.duration(3 * 60 + 7.9) == "3 min 7 s"
+NAMES = "Lens shading and row noise. "
+NOISE = "residuals of the test frames cannot be told from noise."
+LEFT = "Most of what is left is in: row autocorrelation"
+
+
+@pytest.mark.parametrize(
+    ("verdict", "count", "shown"),
+    [
+        ("consistent", 0, f"The {NOISE}"),
+        ("explained", 1, f"With it, the {NOISE}"),
+        ("explained", 2, f"{NAMES}With them, the {NOISE}"),
+        ("ambiguous", 2, f"{NAMES}These frames cannot tell row noise or read noise."),
+        ("incomplete", 0, "More may be missing."),
+        ("incomplete", 2, f"{NAMES}More may be missing."),
+        ("unexplained", 0, f"{LEFT}."),
+        ("partially_explained", 2, f"{NAMES}{LEFT}, and the names are provisional."),
+    ],
+)
+def test_the_summary_has_several_names_and_what_is_left(verdict, count, shown):
+    found = made_up_diagnosis(verdict=verdict)
+    assert words.summary(replace(found, effects=found.effects[:count])) == shown
+
+
+@pytest.mark.parametrize(
+    ("names", "shown"),
+    [([], ""), (["a"], "a"), (["a", "b"], "a or b"), (["a", "b", "c"], "a, b or c")],
+)
+def test_lists(names, shown):
+    assert words.listed(names, "or") == shown
+
+
+@pytest.mark.parametrize(
+    ("seconds", "shown"),
+    [(12.34, "12.3 s"), (60, "1 min 0 s"), (3 * 60 + 7.9, "3 min 7 s")],
+)
+def test_runs_from_a_minute_on_are_told_in_minutes(seconds, shown):
+    assert words.duration(seconds) == shown
