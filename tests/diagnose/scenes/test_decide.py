@@ -10,9 +10,19 @@ import pytest
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.scenes.decide import decide
 from cg2raw.diagnose.scenes.model import Model
+from cg2raw.diagnose.scenes.predict import predict
 from cg2raw.diagnose.verdict.images import diagnosis_of_images
 from cg2raw.diagnose.workers import Workers
-from diagnose.planted import BY_NAME, PLANTED, capture_of, drawn, frames_of, sensor_of
+from diagnose.planted import (
+    BY_NAME,
+    FULL_WELL,
+    PLANTED,
+    READ,
+    capture_of,
+    drawn,
+    frames_of,
+    sensor_of,
+)
 from tiers import slow
 
 SENSOR = sensor_of()
@@ -37,12 +47,12 @@ def images(model, seed=7, nuisances=frozenset(), **more):
     return CaptureSet(SENSOR, captures, nuisances), frames
 
 
-def decided(capture_set, frames, fits_noise=False):
-    """Return what is decided of all effects of PLANTED."""
+def decided(capture_set, frames, fits_noise=False, names=tuple(PLANTED)):
+    """Return what is decided of all effects of PLANTED, or of names."""
     return decide(
         capture_set,
         frames,
-        list(PLANTED),
+        names,
         alpha=0.01,
         most=6,
         fits_noise=fits_noise,
@@ -104,6 +114,31 @@ def test_noise_that_nobody_knows_is_fitted():
     assert scenes.grams["report"].squares / scenes.grams["report"].n == pytest.approx(
         1, abs=0.03
     )
+
+
+PHOTONS = "poisson_shot_noise"
+
+
+@pytest.mark.parametrize(
+    ("names", "of_light", "found"),
+    [
+        ([PHOTONS], "shot_noise", [PHOTONS]),
+        ([PHOTONS], PHOTONS, []),
+        (["exposure"], "shot_noise", []),
+    ],
+)
+def test_photons_are_named_if_asked_for_and_not_stated(names, of_light, found):
+    sensor = sensor_of(noise_effects=[of_light, "read_noise"])
+    captures = [
+        capture_of("flat", n, level=0.003, group=group, name=f"{group}{n}")
+        for n, group in enumerate(3 * GROUPS)
+    ]
+    frames, rng = [], np.random.default_rng(1)
+    for frame in frames_of(sensor, captures):
+        charge = rng.poisson(FULL_WELL * predict(Model(sensor), frame).mean)
+        signal = charge / FULL_WELL + READ * rng.standard_normal(charge.shape)
+        frames.append(replace(frame, signal=signal))
+    assert [*decided(CaptureSet(sensor, captures), frames, names=names).nats] == found
 
 
 @pytest.mark.parametrize(

@@ -94,6 +94,19 @@ def test_patterns_in_a_score_are_those_of_what_nuisances_leave(rows):
     assert (normal + normal).without(np.array([6, 7]), DEVIATIONS).views == 2
 
 
+def test_nuisances_may_be_integrated_out_one_by_one(rows):
+    """Their rows stay, as zeros."""
+    every = np.vstack([*rows[:2], rows[2][None]])
+    shared = (every * np.linspace(0.1, 2, every.shape[1])) @ every.T
+    normal = Normal(400, every @ every.T, shared)
+    at_once, left = normal.without(np.array([6, 7]), DEVIATIONS), normal
+    for k in range(2):
+        left = left.without(np.array([6 + k]), DEVIATIONS[k : k + 1])
+    assert left.products == pytest.approx(at_once.products, rel=1e-8, abs=1e-8)
+    assert left.shared == pytest.approx(at_once.shared, rel=1e-8, abs=1e-8)
+    assert not left.products[6:8].any() and not left.shared[6:8].any()
+
+
 def test_a_prior_pulls_to_the_profile(rows):
     gram = gram_of(rows)
     index = SPACE.index({"b"})

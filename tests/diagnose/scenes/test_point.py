@@ -90,6 +90,11 @@ def test_samples_near_white_glints_and_zero_are_left_out():
     assert at(RGGB, kind="dark").root.any()
 
 
+@pytest.mark.parametrize("name", ["shift", "texture", "patches"])
+def test_any_deviation_is_an_excess(name):
+    assert Excess(**{name: 0.01}) and not Excess(**{name: 0.0})
+
+
 def test_excess_widens_edges_and_light():
     plain = at(RGGB)
     wide = at(RGGB, excess=Excess(0.1, 0.01))
