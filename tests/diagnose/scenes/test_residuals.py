@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """What is left is said, and nothing of noise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from cg2raw.diagnose.scenes.point import Excess, point_of
 from cg2raw.diagnose.scenes.predict import predict
 from cg2raw.diagnose.scenes.residuals import Residuals
 from cg2raw.diagnose.scenes.view import views_of
-from diagnose.planted import BY_NAME, capture_of, drawn, frames_of, sensor_of
+from diagnose.planted import BY_NAME, capture_of, drawn, frames_of, scene_of, sensor_of
 
 SENSOR = sensor_of()
 
@@ -57,20 +59,53 @@ def blended(frame, rng):
     return noise + np.roll(noise, 2, 2)
 
 
+def light(frame):
+    return predict(Model(SENSOR), frame).mean
+
+
 def smeared(frame, rng):
-    return 0.02 * predict(Model(SENSOR), frame).mean.mean(axis=1, keepdims=True)
+    return 0.02 * light(frame).mean(axis=1, keepdims=True)
 
 
 def moved_across(frame, rng):
     """Blurred across, and as much sharper down: no blur of a lens."""
-    mean = predict(Model(SENSOR), frame).mean
+    mean = light(frame)
     wider = [np.roll(mean, n, axis) for axis in (1, 2) for n in (-2, 2)]
     return 0.03 * (wider[2] + wider[3] - wider[0] - wider[1])
+
+
+def of_one_site(frame, rng):
+    return 1e-3 * (frame.site == 1)
+
+
+def radius(frame):
+    return np.hypot(*frame.tiles.field())
+
+
+def tilted(frame, rng):
+    return 0.02 * light(frame) * frame.tiles.field()[0]
+
+
+def ringed(frame, rng):
+    return 0.02 * light(frame) * (np.abs(radius(frame) - 0.5) < 0.1)
+
+
+def bent(frame, rng):
+    return 0.01 * np.sin(12 * light(frame))
+
+
+def noisy_corners(frame, rng):
+    return 8e-3 * radius(frame) ** 2 * rng.standard_normal(frame.signal.shape)
 
 
 @pytest.mark.parametrize(
     ("extra", "name"),
     [
+        (of_one_site, "sites"),
+        (tilted, "fields"),
+        (ringed, "radius"),
+        (bent, "level"),
+        (noisy_corners, "variance by radius"),
         (smeared, "streaks"),
         (moved_across, "edges"),
         (rows, "rows"),
@@ -86,6 +121,20 @@ def test_what_is_planted_is_said(extra, name):
     assert found.p_value < 1e-6
     assert found.nats_per_pixel > 2e-4
     assert found.where
+
+
+def test_levels_are_parts_of_the_light_that_there_is():
+    """More noise where it is darker, and less elsewhere: as much in all."""
+    asked, dim = Residuals(), np.float32(0.05) * scene_of(1)
+    captures = 2 * [capture_of(scene=lambda: dim)]
+    for frame in drawn(frames_of(SENSOR, captures), Model(SENSOR), 1):
+        mean = light(frame)
+        size = np.where(mean < np.median(mean), 1.1, 0.9)
+        other = replace(frame, signal=mean + size * (frame.signal - mean))
+        [view] = views_of([other])
+        asked.add(point_of(view, other, Model(SENSOR), Excess()), [])
+    found = {test.name: test.p_value for test in asked.tests()}
+    assert found["variance by level"] < 1e-6 < found["variance by radius"]
 
 
 @pytest.mark.parametrize(
