@@ -11,6 +11,7 @@ from cg2raw.diagnose.captures.chart import (
     COLORCHECKER,
     ColorChecker,
     PatchChart,
+    chart_from_pixel,
     rec709_from_xyz,
     rec709_of,
     xyz_from_lab,
@@ -102,9 +103,18 @@ def test_a_colorchecker_may_be_turned(turns):
         assert chart.mask()[row, col]
     between = upright.scene()[30, 30]
     np.testing.assert_allclose(between, upright.colors.mean(axis=0), rtol=1e-6)
-    # Of a pitch of 20 pixels, the middle 0.6 of patches that are 0.85 of it; sides of
-    # 10.2 pixels are 10 or 11.
+    # Of a pitch of 20 pixels: 0.85 of it, 8.5 to each side, of which 0.6 counts.
+    patches = (upright.scene() != between).any(axis=-1)
+    assert (patches.sum(), upright.mask().sum()) == (24 * 17**2, 24 * 11**2)
     assert chart.mask().sum() == pytest.approx(24 * 10.2**2, rel=0.2)
+
+
+def test_a_chart_in_perspective_is_where_a_planted_map_has_it():
+    pixel_from_chart = np.array([[30, 3, 40], [-4, 25, 30], [0.02, 0.03, 1]])
+    row, col, w = pixel_from_chart @ [*np.mgrid[:4, :6].reshape(2, -1), np.ones(24)]
+    seen = np.array([row / w, col / w, np.ones(24)])
+    y, x, w = chart_from_pixel(seen[:2, [0, 5, 23, 18]].T) @ seen
+    assert 6 * y / w + x / w == pytest.approx(np.arange(24)) and (w > 0).all()
 
 
 def test_the_real_chart_has_its_published_patches(camera_data, tmp_path):

@@ -3,10 +3,13 @@
 """Files that do not belong together are refused; what they cannot tell is said."""
 
 import shutil
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import cg2raw
+from cg2raw.diagnose.captures.consistency import dn_per_electron, gain_notes
 from cg2raw.diagnose.captures.reader import read_captures
 from diagnose import capture_files as files
 from dng import dng_files
@@ -172,3 +175,14 @@ def test_a_sensor_that_warmed_up_is_said(tmp_path, degrees, words):
     told = [note for note in notes if "the sensor was at" in note]
     assert bool(told) == bool(words)
     assert not words or words in told[0]
+
+
+@pytest.mark.parametrize(("share", "notes"), [(1.0, 0), (1.3, 1), (0.7, 1)])
+def test_a_gain_in_headers_that_the_profile_has_not_is_said(share, notes):
+    sensor = cg2raw.Sensor(files.SENSOR)
+    told = share / dn_per_electron(sensor, files.ISO)
+    frame = SimpleNamespace(
+        header=SimpleNamespace(electrons_per_dn=told),
+        capture=SimpleNamespace(iso=files.ISO, name="a.fits"),
+    )
+    assert len(gain_notes([frame], sensor)) == notes

@@ -54,7 +54,7 @@ WHITE = "rgb: [1, 1, 1]"
 # Fields of a frame, in line 3, beside its file.
 BAD_FRAMES = {
     "kind: drak": 'kind is "drak"; must be one of dark, flat, scene, chart; did you',
-    "kind: dark, set: ": "set is empty",
+    **{f"kind: dark, set: {none}": "set is empty" for none in ("", "~", "''")},
     "kind: dark, group: test": "must be one of fit, select, report",
     "kind: dark, temperature: -274": "temperature is '-274'; must be a number, -273.15",
     "kind: dark, iso: fast": "iso is 'fast'; must be a number, 1 to 1e+07",

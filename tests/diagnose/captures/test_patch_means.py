@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 import cg2raw
-from cg2raw.diagnose.captures.chart import COLORCHECKER_NAMES
-from cg2raw.diagnose.captures.chart_table import plain, read_colors
+from cg2raw.diagnose.captures.chart import (
+    COLORCHECKER,
+    COLORCHECKER_NAMES,
+    rec709_from_xyz,
+    xyz_from_lab,
+)
+from cg2raw.diagnose.captures.chart_table import levels_of, plain, read_colors
 from cg2raw.diagnose.captures.patch_means import Table, with_bounds
 from cg2raw.diagnose.captures.reader import read_captures, read_frames
 from cg2raw.diagnose.captures.splits import GROUPS
@@ -17,7 +22,8 @@ SENSOR = cg2raw.Sensor(files.SENSOR)
 HEAD = "patch,R,G1,G2,B"
 GREYS = "white,300,500,501,400\nneutral 5,150,200,201,160\nblack,80,90,91,85\n"
 LINE = "{file: p.csv, kind: chart, chart: colorchecker, illuminant: D65"
-INLINE = "[{patch: a, rgb: [1, 1, 1]}, {patch: b, xyz: [0.2, 0.2, 0.2]}]"
+INLINE = "[{patch: a, rgb: [1, 1, 1]}, {patch: b, xyz: [0.2, 0.2, 0.2]}, "
+INLINE += "{patch: c, lab: [43.139, -13.095, 21.905]}]"  # foliage
 
 
 def table(folder, text, name="p.csv"):
@@ -59,6 +65,17 @@ def test_signal_becomes_dn(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("cfa", "black"),
+    [("RGGB", (60, 61, 62, 63)), ("BGGR", (63, 62, 61, 60)), ("GRBG", (61, 60, 63, 62)),
+     ("GBRG", (62, 63, 60, 61))],
+)  # fmt: skip
+def test_the_first_green_of_a_table_is_beside_red(cfa, black):
+    sensor = files.other_sensor(cfa=cfa, black_level=[60, 61, 62, 63])
+    offset, scale = levels_of(sensor, "signal")
+    assert tuple(offset) == black and (offset + scale == sensor.white_level).all()
+
+
+@pytest.mark.parametrize(
     ("name", "known"),
     [("White 9.5 (.05 D)", "white"), ("neutral_6.5", "neutral 6.5"), ("24", "black"),
      ("Dark  Skin", "dark skin"), ("25", "25"), ("A1", "a1"),
@@ -91,8 +108,11 @@ def test_a_colour_that_is_there_twice_is_told_by_its_line(tmp_path):
 
 def test_colours_of_the_manifest(tmp_path):
     line = LINE.replace("chart: colorchecker", f"patches: {INLINE}")
-    means, _ = means_of(tmp_path, f"{HEAD}\nb,1,2,3,4\na,5,6,7,8\n", line)
-    assert means.names == ("b", "a") and means.colors[1] == pytest.approx([1, 1, 1])
+    means, _ = means_of(tmp_path, f"{HEAD}\nb,1,2,3,4\na,5,6,7,8\nc,4,4,4,4\n", line)
+    assert means.names == ("b", "a", "c")
+    assert means.colors[1] == pytest.approx([1, 1, 1])
+    foliage = rec709_from_xyz(xyz_from_lab(COLORCHECKER[3]))
+    assert means.colors[2] == pytest.approx(foliage)
 
 
 def bounds(rows, cut=("", "", ""), known=(None, None)):
@@ -130,6 +150,17 @@ def test_what_is_known_of_missing_patches(arguments, mean, side, inferred):
     found = bounds(*arguments)
     np.testing.assert_array_equal(found[0], mean)
     assert found[1:] == (side, inferred)
+
+
+def test_bounds_are_those_of_each_site():
+    dark, bright, none = [10, 20, 30, 40], [50, 70, 60, 80], [NAN] * 4
+    colors = np.array([[grey] * 3 for grey in (0.1, 0.4, 0.6, 0.9)])
+    table = Table(
+        (*"abcd",), np.array([none, dark, bright, none]), np.ones(4), 4 * ("",)
+    )
+    mean, side, _ = with_bounds(table, colors, (None, None))
+    assert mean.tolist() == [dark, dark, bright, bright]
+    assert side.tolist() == [4 * [one] for one in (-1, 0, 0, 1)]
 
 
 def test_the_manifest_says_from_where_on_means_are_missing(tmp_path):

@@ -114,6 +114,19 @@ def test_codes_that_are_scaled_or_coarse(tmp_path, sigma, scale, complaint, rema
     assert len(found.remarks) == bool(remark) and remark in "".join(found.remarks)
 
 
+def test_codes_in_the_steps_of_the_profile_are_its_own(tmp_path):
+    effect = {"name": "quantisation", "parameters": {"step": 4 / (1023 - 64)}}
+    (tmp_path / "s.json").write_text(files.other_sensor(effects=[effect]).to_json())
+    values = 4 * np.rint(np.random.default_rng(7).normal(16, 3, files.SHAPE))
+    np.save(tmp_path / "a.npy", values.astype(np.uint16))
+    lines = ["{file: a.npy, kind: dark}"]
+    _, sensor, frames, _ = read_frames(
+        files.manifest(tmp_path, lines, "sensor: s.json")
+    )
+    [found] = check(frames, sensor).integrities
+    assert (found.step, found.complaints) == (4, ())
+
+
 @pytest.mark.parametrize(
     ("black", "words"),
     [

@@ -109,6 +109,28 @@ def test_pictures_are_read_for_darks_that_may_have_one(share):
         assert residual_images([scene], darks, blocks, LEAST) == []
 
 
+@pytest.mark.parametrize(
+    ("moved", "power", "is_found"),
+    [(0.04, 9, False), (0.0625, 9, True), (0.1, 1, True)],
+)
+def test_a_residual_image_that_hardly_moves_a_mean_is_none(moved, power, is_found):
+    """By less than a twentieth of the noise of a block: a quarter of a million of them
+    show it of a picture with few bright places."""
+    rng, blocks, noise, level = np.random.default_rng(6), Blocks(SENSOR), 2.0, 1000.0
+    light = np.kron(rng.random((32, 32)) ** power, np.ones((16, 16)))
+    light *= level / light.mean()
+    scene = shot("scene", "scene", 0.0, 1)
+    other = shot("scene", "of another size", 0.0, 1, set="of another size")
+    darks = [shot("dark", f"dark {n}", 0.0, n) for n in range(3)]
+    blocks.means.update({scene.name: light, other.name: light[1:]})
+    for dark in darks:
+        blocks.means[dark.name] = rng.normal(0, noise, light.shape)
+    blocks.means["dark 1"] += moved * noise / level * light
+    images = residual_images([other, scene, *darks], darks, blocks, LEAST)
+    found = [(one.dark, one.picture) for one in images]
+    assert found == is_found * [("dark 1", "scene")]
+
+
 def test_chance_is_no_residual_image():
     """Of 40 darks in all, with row noise."""
     assert [one for n in range(10) for one in found([None] * 4, first=100 * n)] == []
