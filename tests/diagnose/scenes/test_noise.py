@@ -35,18 +35,30 @@ def test_noise_factors_are_those_of_light_and_of_the_readout(defects):
     assert noise_factors(points, residuals) == pytest.approx([1.7, 0.6], rel=0.15)
 
 
-@pytest.mark.parametrize("defects", [0.0, 0.01])
-@pytest.mark.parametrize("texture", [0.0, 0.03])
-def test_texture_beyond_the_noise_is_found(texture, defects):
+def excess(shift, texture, defects=0.0):
+    """Return what is found of planted deviations, px and relative."""
     points = [at(sensor_of(), kind=kind) for kind in ("flat", "scene")]
-    residuals = [
-        residual(
-            p.noise_variance + (texture * np.maximum(p.base, 0)) ** 2, seed, defects
-        )
-        for seed, p in enumerate(points)
-    ]
-    _, found = excess_of(points, residuals)
-    assert found == pytest.approx(texture, rel=0.1, abs=0.008)
+    residuals = []
+    for seed, p in enumerate(points):
+        slope, _ = p.frame.squared_slope_and_light
+        light = np.maximum(p.base, 0)
+        more = shift**2 * slope + (texture * light) ** 2
+        residuals.append(residual(p.noise_variance + more, seed, defects))
+    return excess_of(points, residuals)
+
+
+@pytest.mark.parametrize("defects", [0.0, 0.01])
+@pytest.mark.parametrize("shift", [0.0, 0.2])
+@pytest.mark.parametrize("texture", [0.0, 0.03])
+def test_shift_and_texture_beyond_the_noise_are_found(shift, texture, defects):
+    found = excess(shift, texture, defects)
+    assert found[0] == pytest.approx(shift, rel=0.1, abs=0.03)
+    assert found[1] == pytest.approx(texture, rel=0.1, abs=0.008)
+
+
+def test_excess_has_bounds():
+    assert excess(3.0, 0.5) == pytest.approx((0.5, 0.1))
+    assert excess_of([], []) == (0, 0)
 
 
 def test_a_charts_deviation_is_the_patches_own_beyond_the_noise():
