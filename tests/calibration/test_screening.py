@@ -10,7 +10,7 @@ import pytest
 
 from calibration.planted import BLACK, frames_of, sensor_of
 from cg2raw.calibration import calibrate
-from cg2raw.calibration.frames import groups_of, scan, screened
+from cg2raw.calibration.frames import by_level, groups_of, scan, screened
 from cg2raw.calibration.sites import sites_of
 
 SENSOR = sensor_of({"prnu": {"sigma": 0.01}}, shape=(64, 96))
@@ -65,3 +65,16 @@ def test_two_repeats_that_differ_are_refused_by_name():
     frames = spoiled(7, lambda raw: raw + 1500)
     with pytest.raises(ValueError, match="dark-7: is 1499.* DN above dark-5"):
         calibrate(SENSOR, [*frames[:6], frames[7], *frames[10:]])
+
+
+@pytest.mark.parametrize(
+    ("levels", "groups"),
+    [
+        ([500, 100, 104, 501], [[1, 2], [0, 3]]),
+        ([100, 105, 110.25], [[0, 1, 2]]),  # steps of 5 %, of neighbours
+        ([105.01, 100], [[1], [0]]),
+        ([0, 300, 0], [[0, 2], [1]]),
+    ],
+)
+def test_flats_whose_levels_differ_by_no_more_than_5_percent_repeat(levels, groups):
+    assert by_level(range(len(levels)), levels) == groups

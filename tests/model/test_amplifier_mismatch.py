@@ -19,12 +19,12 @@ LEAST = 8.0
 HORIZONTAL, SMOOTH = parameter_names(1), "bias_structure"
 
 
-def statistics(axis, offset, response, ramp=0.0, seed=0):
-    """Return those of darks and flats whose second half is above the first: by @offset,
-    DN, and by the share @response of the light. ramp : DN from left to right."""
+def statistics(axes, offset, response, ramp=0.0, seed=0):
+    """Return those of darks and flats whose second half along each axis is above the
+    first: by @offset, DN, and by the share @response of the light. ramp : DN from left
+    to right."""
     rng = np.random.default_rng(seed)
-    half = np.full((96, 120), -0.5)
-    half[(slice(48, None), slice(None)) if axis == 0 else np.s_[:, 60:]] = 0.5
+    half = sum(np.indices((96, 120))[n] // (48, 60)[n] - 0.5 for n in axes)
     groups = []
     for split in SPLITS:
         for kind, light in (("dark", 0.0), ("flat", 800.0)):
@@ -40,7 +40,7 @@ def statistics(axis, offset, response, ramp=0.0, seed=0):
 def test_a_step_is_measured_and_leaves_nothing(axis):
     """A step of 2 DN and of 1 %: what is left of the products is that of frames without
     one, but for the freedom that was taken off."""
-    made, plain = statistics(axis, 2.0, 0.01), statistics(axis, 0.0, 0.0)
+    made, plain = statistics([axis], 2.0, 0.01), statistics([axis], 0.0, 0.0)
     found = amplifier_mismatch(made, SPLITS, LEAST, {})
     assert found.gain > 30
     steps = [found.steps[name] for name in parameter_names(axis)]
@@ -64,8 +64,22 @@ def test_a_step_is_measured_and_leaves_nothing(axis):
     assert left == pytest.approx(without, abs=0.8)
 
 
+def test_steps_of_both_axes_gain_what_each_gains():
+    """Lines of one axis have the other's step in their mean alone. Of steps that gain
+    too little the gain is that of the better axis."""
+    alone = [
+        amplifier_mismatch(statistics([axis], 2.0, 0.01), SPLITS, LEAST, {}).gain
+        for axis in (0, 1)
+    ]
+    both = statistics([0, 1], 2.0, 0.01)
+    found = amplifier_mismatch(both, SPLITS, LEAST, {})
+    assert len(found.steps) == 4 and found.gain == pytest.approx(sum(alone))
+    small = amplifier_mismatch(both, SPLITS, 1e6, {})
+    assert not small.steps and 30 < small.gain < min(alone)
+
+
 def test_a_step_that_is_stated_gains_nothing_and_is_taken_off():
-    made = statistics(1, 2.0, 0.01)
+    made = statistics([1], 2.0, 0.01)
     found = amplifier_mismatch(
         made, SPLITS, LEAST, dict(zip(HORIZONTAL, (2.0, 0.01), strict=True))
     )
@@ -80,7 +94,7 @@ def test_a_step_that_is_stated_gains_nothing_and_is_taken_off():
 @pytest.mark.parametrize("ramp, alike", [(0.0, []), (0.6, [SMOOTH]), (5.0, [])])
 def test_a_ramp_is_no_step_and_may_be_like_one(ramp, alike):
     """Weak ones may, of which the first polynomial alone is above the noise."""
-    found = amplifier_mismatch(statistics(1, 0.0, 0.0, ramp), SPLITS, LEAST, {})
+    found = amplifier_mismatch(statistics([1], 0.0, 0.0, ramp), SPLITS, LEAST, {})
     assert (found.gain < LEAST, found.steps, [*found.alike]) == (True, {}, alike)
 
 
