@@ -126,3 +126,47 @@ def test_a_blur_is_said_by_the_contrast_of_its_cosines(ring, percent):
     values = dict.fromkeys(effect("blur").parameters, Estimate(0.0, "1", (0.0, 0.0)))
     values[f"ring_{ring}"] = Estimate(0.1, "1", (0.1, 0.1))
     assert f"is {percent} %" in effect("blur").size(values)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "words"),
+    [
+        ("exposure", {"gain": -0.05}, "5 % darker"),
+        ("lens_distortion", {"r2": 1.0, "r4": -0.3}, "0.7 px at the corner, as by a b"),
+        ("lens_distortion", {"r2": -1.0}, "moved 1 px at the corner, as by a pin"),
+        (
+            "lateral_chromatic_aberration",
+            {"red": 0.5, "red_r2": 0.25, "blue": -0.4, "blue_r2": -0.1},
+            "red is moved 0.75 px and blue -0.5 px",
+        ),
+        ("crosstalk", {"red": 0.01, "green": 0.02, "blue": 0.03}, "loses 6 %"),
+        ("veiling_glare", {"uniform": 0.03, "wide": 0.02}, "5 % of the light"),
+        ("nonlinearity", {"quadratic": 0.06, "cubic": 0.02}, "reads 8 % too low"),
+        ("nonlinearity", {"quadratic": -0.06, "cubic": 0.02}, "reads 4 % too high"),
+        ("shot_noise", {"log_gain": np.log(2)}, "is 2 times the profile's (2 to 2)"),
+        ("pdaf_pixels", {"gain": -0.1, "pitch": 9.0}, "lack 10 % of the light"),
+        ("pdaf_pixels", {"gain": 0.1, "pitch": 9.0}, "have 10 % more of the light"),
+        ("dark_current_nonuniformity", {"log_sigma": np.log(2)}, "by a factor 2"),
+        (
+            "amplifier_mismatch",
+            {"vertical_offset": 0.01, "vertical_response": 0.02},
+            "lower half less the upper: 161 DN (50 e-) of black level and 2 % of resp",
+        ),
+    ],
+)
+def test_sizes_are_said_with_their_direction(name, values, words):
+    """Of 161.27 DN and 50 electrons to a hundredth of white."""
+    known = {one: Estimate(x, "1", (x, x)) for one, x in values.items()}
+    assert words in effect(name).size_on(known, sensor_of())
+
+
+@pytest.mark.parametrize(
+    ("rate", "words"), [(0.04, "12.0 K warmer"), (0.005, "6.0 K colder"), (0, None)]
+)
+def test_dark_current_is_said_as_a_difference_of_temperature(rate, words):
+    """From the profile's 0.01 of white a second; twice as much every 6 K."""
+    sensor = stating(sensor_of(), {"dark_current": {"per_second": 0.01}})
+    values = {"per_second": Estimate(rate, "1/s", (rate, rate))}
+    said = effect("dark_current").size_on(values, sensor)
+    assert words in said if words else "K" not in said
+    assert "K" not in effect("dark_current").size_on(values, sensor_of())
