@@ -4,7 +4,7 @@
 
 import numpy as np
 import pytest
-from scipy.stats import binom
+from scipy.stats import binom, chi2, t
 
 from cg2raw.model.figures import figures_of
 from cg2raw.model.fit import fit
@@ -68,24 +68,46 @@ def test_read_noise_of_a_fraction_of_a_code(noise):
         assert max(abs(off) for _, off in found[name]) < 4
 
 
-def test_darks_of_two_splits_repeat_each_other():
-    """Their levels scatter about one mean: sd of all eight, not about two means."""
-    rng, levels = np.random.default_rng(3), [200, 201, 202, 203, 210, 211, 212, 213]
+def figures_of_darks(levels, noise, splits=("training",)):
+    """Return the figures, by name, of darks of levels, DN, an equal number per split;
+    and the means of the frames."""
+    rng, many = np.random.default_rng(3), len(levels) // len(splits)
     frames = [
-        np.rint(level + 3 * rng.standard_normal((60, 70))).astype(np.uint16)
+        np.rint(level + noise * rng.standard_normal((60, 70))).astype(np.uint16)
         for level in levels
     ]
     readers = [
         (
-            GroupInfo("dark", tuple("abcd"), 0.1, split=split),
-            [lambda f=f: f for f in frames[4 * n : 4 * n + 4]],
+            GroupInfo("dark", tuple("abcdef"[:many]), 0.1, split=split),
+            [lambda f=f: f for f in frames[many * n : many * (n + 1)]],
         )
-        for n, split in enumerate(("training", "validation"))
+        for n, split in enumerate(splits)
     ]
     statistics = frame_statistics(readers, 1, 65535)
-    figures = {one.name: one for one in figures_of(statistics, fit(statistics))}
+    found = {one.name: one for one in figures_of(statistics, fit(statistics))}
+    return found, np.array([frame.mean() for frame in frames])
+
+
+def test_darks_of_two_splits_repeat_each_other():
+    """Their levels scatter about one mean: sd of all eight, not about two means."""
+    levels = [200, 201, 202, 203, 210, 211, 212, 213]
+    figures, _ = figures_of_darks(levels, 3.0, ("training", "validation"))
     drift = figures["black level drift"].value
     assert drift == pytest.approx(np.std(levels, ddof=1), rel=0.02)
+
+
+def test_intervals_of_levels_are_those_of_few_frames():
+    """By quantiles of five freedoms: Student's of the mean, chi-square of the variance,
+    less what a noise of 60 DN makes of it in 4200 pixels."""
+    figures, means = figures_of_darks([998, 999, 1001, 1002, 1003, 1006], 60.0)
+    level, drift = figures["black level"], figures["black level drift"]
+    variance, noise = means.var(ddof=1), 60**2 / 4200
+    assert level.value == pytest.approx(means.mean(), abs=0.05)
+    half = t.ppf(0.975, 5) * np.sqrt(variance / 6)
+    assert level.high - level.value == pytest.approx(half, rel=0.02)
+    squares = variance * 5 / chi2.ppf([0.975, 0.025], 5) - noise
+    assert np.square([drift.low, drift.high]) == pytest.approx(squares, rel=0.02)
+    assert drift.value**2 == pytest.approx(variance - noise, rel=0.02)
 
 
 def test_shading_is_known_no_better_than_the_light_of_its_flats():
