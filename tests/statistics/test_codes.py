@@ -14,6 +14,11 @@ def counts_of(values):
     return np.bincount(rounded.ravel())
 
 
+def pixels_at(many):
+    """Return the counts of {DN: how many pixels}."""
+    return counts_of(np.repeat([*many], [*many.values()]))
+
+
 def noise(sigma, size=100_000, seed=1):
     """Return normal noise around 64.3 DN."""
     return np.random.default_rng(seed).normal(64.3, sigma, size)
@@ -60,6 +65,7 @@ def test_chance_leaves_no_gap_and_no_isolated_code(seed):
         ),
         (noise(0.35), 0.0),
         (picture(), 0.0),
+        (np.array([3, 9]), 0.0),  # too few
         (noise(0.35) - 64.3, 0.0),  # most at 0, which the ADC cuts off
     ],
 )
@@ -108,8 +114,38 @@ def test_what_a_camera_does_not_write(highest, bits, white, words):
         ([500, 80, 79, 70, 50, 20], 500 / 799),
         ([900, 90, 0, 0], 900 / 990),  # most are at 0
         ([0, 900, 90, 3], 0),  # quiet, with hot pixels
+        ([0, 900, 60, 5], 0),  # of which a few are far
         ([0, 500, 80, 79, 70, 50, 20], 500 / 799),
     ],
 )
 def test_the_share_of_noise_that_is_cut(counts, share):
     assert codes.cut_share(np.array(counts)) == pytest.approx(share)
+
+
+@pytest.mark.parametrize(
+    ("many", "step", "spacing"),
+    [
+        ({64: 1000}, (0, 1), 0),
+        ({64: 5000, 68: 10000, 72: 5000}, (4, 3), 4),
+        ({64: 5000, 66: 1, 68: 10000, 72: 5000}, (2, 4), 4),  # in the middle 98 %
+        ({64: 50000, 68: 100000, 72: 50000, 74: 200}, (4, 3), 4),  # hot pixels
+        ({64: 50000, 68: 100000, 72: 50000, 74: 201}, (2, 4), 4),  # 0.1 %: no chance
+        ({10: 20, 12: 20}, (2, 2), 2),
+        ({10: 19, 12: 90}, (2, 2), 0),  # of 19, none may be in between by chance
+        ({10: 100, 11: 100, 14: 30, 17: 30, 20: 30}, (1, 5), 1),
+        ({10: 80, 11: 80, 14: 30, 17: 30, 20: 30}, (1, 5), 3),  # of most pixels
+    ],
+)
+def test_steps_and_distances_of_codes(many, step, spacing):
+    counts = pixels_at(many)
+    assert (codes.step_of(counts), codes.spacing(counts)) == (step, spacing)
+
+
+@pytest.mark.parametrize(
+    ("near", "far", "words"),
+    [(1, 2, ""), (0, 3, ""), (3, 1, ""), (1, 3, "b: its codes are 3 DN apart, at 40")],
+)
+def test_codes_of_light_that_lie_farther_apart_are_companded(near, far, words):
+    found = codes.companded([("b", 4000.0, far), ("a", 100.0, near)])
+    assert found.startswith(words) and bool(found) == bool(words)
+    assert ("and 1 DN at 100 DN" in found) == bool(words)
