@@ -3,11 +3,12 @@
 """What flats show: planted shading and linearity, by their definitions."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cg2raw.calibration.flats import TransferPoints, field_of, linearity
+from cg2raw.calibration.flats import TransferPoints, field_of, lamp_drift, linearity
 from cg2raw.calibration.sites import Sites
 
 SHADING = {
@@ -51,3 +52,29 @@ def test_linearity_is_the_mean_deviation_of_levels_from_a_line():
     np.testing.assert_allclose(found.deviations, expected, atol=1e-6)
     assert found.deviations[2] == pytest.approx(0.8, abs=0.1)
     assert found.error.value == pytest.approx(np.abs(expected).mean())
+
+
+@pytest.mark.parametrize(("quadratic", "cubic"), [(0.06, 0.02), (0.03, None)])
+def test_losses_at_white_are_those_of_the_planted_curve(quadratic, cubic):
+    """x (1 - q x - c x^2) of 12,000 DN, by levels of 5 to 95 % of 6000 DN alone."""
+    white, x = 12_000.0, np.array([0.001, 0.05, 0.1, 0.2, 0.3, 0.4, 0.45, 0.6])
+    levels = white * x * (1 - quadratic * x - (cubic or 0) * x**2)
+    levels[[0, -1]] *= 0.9
+    made = points(levels, 10 * x)
+    made += [replace(made[3], level=1.0, clipped=0.5), replace(made[3], level=1.0)]
+    found = linearity(made, 6000.0, 1e-6, white)
+    assert found.levels == pytest.approx(levels[1:-1])
+    assert found.quadratic.value == pytest.approx(quadratic, rel=1e-3)
+    assert cubic is None or found.cubic.value == pytest.approx(cubic, rel=1e-3)
+    assert (found.cubic is None) == (cubic is None)
+    two, three = (linearity(made[1:end], 6000.0, 1e-6, white) for end in (3, 4))
+    assert two is None and three is not None
+
+
+def test_a_lamps_drift_is_the_deviation_of_repeats_from_their_means():
+    """1 % in four of five flats, three of which are free; an error by chi-square."""
+    groups = [[99.0, 101.0], [198.0, 200.0, 202.0], [7.0]]
+    found = lamp_drift([np.array(one) for one in groups])
+    assert found.value == pytest.approx(0.01 * math.sqrt(4 / 3))
+    assert found.standard_error == pytest.approx(found.value / math.sqrt(6))
+    assert lamp_drift([np.array([7.0])]) is None
