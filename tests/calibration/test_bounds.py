@@ -23,7 +23,7 @@ from cg2raw.calibration.flats import PhotonTransfer
 from cg2raw.calibration.measured import CUT, LEFT, Measured
 from cg2raw.calibration.sites import Sites
 from cg2raw.calibration.structure import glow
-from cg2raw.calibration.table import dark_lines, dynamic_range, told
+from cg2raw.calibration.table import dark_lines, dynamic_range
 from cg2raw.model.figures import Figure
 from cg2raw.statistics.constant import RATE_EDGES, DarkRates
 
@@ -142,10 +142,6 @@ def test_the_dynamic_range_is_saturation_over_the_noise_of_a_dark():
     found = dynamic_range(found_with(fit=Fitted([noise]), transfer=full))
     assert found.value == pytest.approx(20 * np.log10(2000))
     assert found.standard_error == pytest.approx(20 / np.log(10) * 0.01 * 2**0.5)
-
-
-def test_a_number_without_an_error_has_none():
-    assert told(Measured(3.5, 0.0, "DN")) == "3.5 DN"
 
 
 @pytest.mark.parametrize(
