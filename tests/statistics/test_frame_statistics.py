@@ -165,8 +165,10 @@ def test_the_noise_of_a_hot_pixel_is_no_transient():
 
 
 def test_codes_of_each_frame_are_handed_on():
-    frames, found = drawn((48, 60), 3), []
-    measured(groups_of(frames), 2, looked=lambda *one: found.append(one))
+    frames, found, shares = drawn((48, 60), 3), [], []
+    looked = lambda *one: found.append(one)  # noqa: E731
+    measured(groups_of(frames), 2, looked=looked, progress=shares.append)
+    assert shares == sorted(shares) and shares[-1] == 1
     assert [number for number, _ in found] == [0, 1, 2]
     for (_, counts), frame in zip(found, frames, strict=True):
         expected = np.bincount(frame[1::2, ::2].ravel(), minlength=counts.shape[1])
@@ -403,6 +405,7 @@ def test_parts_add_up():
 def test_polynomials_are_orthonormal_and_leave_half(length):
     found = polynomials(length)
     np.testing.assert_allclose(found @ found.T, np.eye(len(found)), atol=1e-12)
+    assert found.shape[1] == length
     assert len(found) - 1 <= (length - 1) / 2
 
 
@@ -527,12 +530,13 @@ def test_a_kept_frame_is_kept_once():
 
 @pytest.mark.parametrize("side", [1, 2])
 def test_blocks_are_as_bright_and_as_noisy_as_their_pixels(side):
-    """Noise that grows to the right, over a slope; blocks of 12 x 13 pixels."""
+    """Noise that grows to the right, over slopes; blocks of 12 x 13 pixels."""
     shape, rng = (96 * side, 104 * side), np.random.default_rng(5)
     across = np.linspace(0, 1, shape[1])
+    down = np.linspace(-1, 1, shape[0])[:, None]
+    level = 500 + 300 * across + 200 * across**2 * down
     frames = [
-        np.rint(500 + 300 * across + (4 + 8 * across) * rng.standard_normal(shape))
-        for _ in range(8)
+        np.rint(level + (4 + 8 * across) * rng.standard_normal(shape)) for _ in range(8)
     ]
     found = measured(groups_of([frame.astype(np.uint16) for frame in frames]), side)
     noise, error = found.block_noise(0)

@@ -55,3 +55,16 @@ def test_what_is_slow_is_no_spot(seed):
     light = 1 + legval2d(ROWS / 56 - 1, COLUMNS / 72 - 1, size)
     found = spots_of(frame(light), 2, np.zeros(SHAPE, bool))
     assert len(found.places) == 0
+
+
+def test_a_spot_of_a_large_frame_is_where_it_is():
+    """Within a cell of 4 px, in which seven sizes are looked for."""
+    rows, columns = np.indices((520, 640))
+    away = np.hypot(rows - 130.5, columns - 250.5)
+    lost = gaussian_filter(np.where(away < 14, 0.05, 0.0), 2.0)
+    light = 900 * (1 - lost) + 4 * np.random.default_rng(3).standard_normal(lost.shape)
+    found = spots_of((light - light.mean()).astype(np.float32), 2, lost > 1)
+    [[row, column, radius]] = found.places
+    assert (row, column) == pytest.approx((130.5, 250.5), abs=4)
+    assert 14 <= radius <= 14 + 5 + 2 * 4  # a disc, its blur, two cells
+    assert found.tried == 7 * 520 * 640 / 4**2
