@@ -299,6 +299,9 @@ def test_a_profile_is_in_units_of_the_frames():
             {"name": "row_noise", "parameters": {"sigma": 3e-4}},
             {"name": "dark_current", "parameters": {"per_second": 5e-4}},
             {"name": "prnu", "parameters": {"sigma": 0.01}},
+            {"name": "read_noise", "parameters": {"log_variance": np.log(2)}},
+            {"name": "shot_noise", "parameters": {"log_gain": np.log(3)}},
+            {"name": "black_level", "parameters": {"offset_00": 0.002}},
             {
                 "name": "dark_current_nonuniformity",
                 "parameters": {"rate": 1e-3, "log_sigma": 1.0},
@@ -309,9 +312,9 @@ def test_a_profile_is_in_units_of_the_frames():
     found = profile_values(Sensor.from_json(json.dumps(text)), 100, parameters)
     e = np.e
     wanted = {
-        "black_level": 64,
-        "read_noise": 4,
-        "gain": 0.2,
+        "black_level": 66,
+        "read_noise": 8,
+        "gain": 0.6,
         "row_noise": 0.09,
         "dark_current": 0.5,
         "prnu": 1e-4,

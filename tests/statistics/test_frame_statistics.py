@@ -12,8 +12,10 @@ from cg2raw import _core
 from cg2raw.statistics.constant import (
     PARTS,
     RATE_EDGES,
+    SMOOTH,
     VERSION,
     ConstantStatistics,
+    Copies,
     GroupInfo,
     PlaneStatistics,
     polynomials,
@@ -366,13 +368,12 @@ def test_white_noise_is_alike_in_all_parts(part):
     assert plane.power[0] == pytest.approx(25 + 1 / 12, rel=0.06)
 
 
-@pytest.mark.parametrize("rows", [slice(10), slice(7, 17)])
-def test_mean_images_have_the_noise_of_copied_lines(rows):
+def test_mean_images_have_the_noise_of_copied_lines():
     """A band of 24 rows is masked: of each part, and of the level, squares of white
     noise of 25 DN^2 as predicted."""
     rng, masked = np.random.default_rng(5), np.zeros((24, 32), bool)
-    masked[rows] = True
-    found, levels, count = [], [], 300
+    masked[7:17] = True
+    found, levels, count = [], [], 150
     for _ in range(count):
         frame = np.rint(200 + 5 * rng.standard_normal(masked.shape)).astype(np.uint16)
         (plane,) = measured(groups_of([frame]), 1, excluded=masked).planes
@@ -387,6 +388,29 @@ def test_mean_images_have_the_noise_of_copied_lines(rows):
         assert mean == pytest.approx(1, abs=within[at]), PARTS[at]
     level = (25 + 1 / 12) * plane.copies.level / masked.size
     assert np.var(levels) == pytest.approx(level, rel=4 * np.sqrt(2 / count))
+
+
+def test_copied_lines_leave_so_much_freedom():
+    """By Satterthwaite, of the covariance of coefficients of white lines and copies:
+    its trace, and the square of that over the trace of its square."""
+    masked = np.isin(np.arange(60), [0, 1, 20, 21, 22, 40])
+    others = np.flatnonzero(~masked)
+    copy = np.eye(60)[[others[np.abs(others - line).argmin()] for line in range(60)]]
+    low = polynomials(60)
+    fast = np.linalg.svd(np.eye(60) - low.T @ low)[0][:, : 60 - len(low)].T
+    copies = Copies.of(masked, np.zeros(32, bool))
+    for name, basis in (
+        ("smooth_rows", low[1 : SMOOTH + 1]),
+        ("slow_rows", low[SMOOTH + 1 :]),
+        ("fast_rows", fast),
+    ):
+        covariance = basis @ copy @ copy.T @ basis.T
+        at, trace = PARTS.index(name), np.trace(covariance)
+        assert copies.noise[at] == pytest.approx(trace / len(basis))
+        freedom = trace**2 / (covariance**2).sum() / len(basis)
+        assert copies.freedom[at] == pytest.approx(freedom)
+    whole = low[0] @ copy @ copy.T @ low[0]
+    assert (copies.level, copies.open_lines) == (pytest.approx(whole), (0.9, 1.0))
 
 
 def test_parts_add_up():
