@@ -96,7 +96,8 @@ def found_with(**fields):
     """Return measurements of one site with some fields, and a dark current."""
     line = DarkCurrent(((None, Measured(1.0, 0.1, "DN/s")),), None, ())
     known = {"sensor": sensor_of(), "shape": SHAPE, "iso": None, "frames": (4, 0)}
-    return Calibration(**known, sites=Sites(("",)), **{"dark": line, **fields})
+    known |= {"sites": Sites(("",)), "dark": line}
+    return Calibration(**known | fields)
 
 
 def test_set_points_have_marks_of_their_own(monkeypatch):

@@ -115,10 +115,6 @@ def test_the_profile_has_what_was_planted_and_nothing_else():
     assert row["beta1"][2] * RANGE == pytest.approx(1 / GAIN, rel=0.03)
 
 
-def test_darks_of_two_exposures_need_no_others():
-    assert not any("need darks of two exposures" in note for note in found(1).notes)
-
-
 @pytest.mark.parametrize(
     ("cfa", "names"),
     [
