@@ -45,6 +45,24 @@ def law_of(rates):
     return dark_spread(DarkRates("", counts, NOISE, 0.0), 0.0)
 
 
+def test_a_planted_law_is_found_in_its_units():
+    """Within 3.5 standard errors, DN/s; all is counted from the mean without hot."""
+    rng = np.random.default_rng(4)
+    even = 0.5 * np.exp(0.8 * rng.standard_normal(40_000))
+    hot = (rng.random(40_000) < 0.01) * rng.exponential(10.0, 40_000)
+    law = law_of(even - even.mean() + hot + rng.normal(0, NOISE, 40_000))
+    for one, truth in (
+        (law.rate, 0.5),
+        (law.log_sigma, 0.8),
+        (law.fraction, 0.01),
+        (law.hot_rate, 10.0),
+        (law.median, 0.5 - 0.5 * np.exp(0.32)),
+    ):
+        assert one.value == pytest.approx(truth, abs=3.5 * one.standard_error)
+        assert one.standard_error < 0.15 * abs(truth)
+    assert law.has_hot and law.is_uneven
+
+
 def test_no_hot_pixel_is_a_limit():
     """No pixel of N: at 95 % fewer than 3 / N, or a few times that of what a normal
     law hides. An unevenness of the others is not found either."""

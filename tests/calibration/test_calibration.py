@@ -18,19 +18,20 @@ from cg2raw.normal import CI95
 
 SENSOR = sensor_of()
 WIDTH = 200  # px
-LEVELS, READ = np.array([260.0, 261.0, 262.0, 265.0]), 3.0  # DN, of the sites
+LEVELS, READ = np.array([260.0, 261.0, 262.0, 265.0]), 4.0  # DN, of the sites
 GAINS, RANGE = np.array([2.0, 2.1, 2.2, 2.3]), WHITE - 262.0  # e-/DN, DN
 
 
-def profile_of(structure=None, **figures):
+def profile_of(structure=None, read=READ, lost="", **figures):
     """Return (profile, calibration) of levels, gain and noise of each site, and of
-    figures, name -> (value, error)."""
-    own = {"black level": LEVELS, "gain": GAINS, "read noise": 4 * [READ]}
+    figures, name -> (value, error). read : DN; 0 of noise that was not measured."""
+    own = {"black level": LEVELS, "gain": GAINS, "read noise": 4 * [read]}
     units = {"gain": "e-/DN", "PRNU": "1"}
     each = [
         figure(name, units.get(name, "DN"), value, value / 100, site)
         for name, values in own.items()
         for site, value in enumerate(values)
+        if value
     ]
     each += [figure(name, units.get(name, "DN"), *one) for name, one in figures.items()]
     found = Calibration(
@@ -39,17 +40,26 @@ def profile_of(structure=None, **figures):
         shape=(100, WIDTH),
         iso=ISO,
         frames=(3, 2),
-        fit=Fitted(each),
+        fit=Fitted(each, lost=lost),
         structure=structure,
     )
     return json.loads(found.updated_profile()), found
 
 
-def test_noise_is_in_shares_of_white_above_the_mean_black_level():
-    profile, _ = profile_of()
+@pytest.mark.parametrize(
+    ("given", "beta2"),
+    [
+        ({}, (READ / RANGE) ** 2),
+        ({"read": 0.0}, SENSOR.noise_at(ISO)["beta2"][0]),
+        ({"read": 0.0, "lost": "coarse"}, 0.0),
+    ],
+)
+def test_noise_is_in_shares_of_white_above_the_mean_black_level(given, beta2):
+    """Read noise that was not measured is the profile's, unless codes hide it."""
+    profile, _ = profile_of(**given)
     (row,) = [row for row in profile["noise"] if row["iso"] == ISO]
     assert row["beta1"] == pytest.approx(1 / GAINS / RANGE, rel=1e-5)
-    assert row["beta2"] == pytest.approx(4 * [(READ / RANGE) ** 2], rel=1e-5)
+    assert row["beta2"] == pytest.approx(4 * [beta2], rel=1e-5)
     assert profile["black_level"] == pytest.approx(LEVELS)
     assert "3 darks and 2 flats" in profile["sources"]["noise"]
 
