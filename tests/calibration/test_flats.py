@@ -18,7 +18,8 @@ SHADING = {
 
 
 def test_each_coefficient_of_a_shading_is_found():
-    """On blocks of 32 x 32, whose means are not quite those of their middles."""
+    """On blocks of 32 x 32, whose means are not quite those of their middles; one pixel
+    of each is not known, and all of one block."""
     shape = (256, 320)
     half = math.hypot(*shape) / 2
     y, x = ((np.arange(n) + 0.5 - n / 2) / half for n in shape)
@@ -26,7 +27,9 @@ def test_each_coefficient_of_a_shading_is_found():
     square = u**2 + v**2
     terms = (square, square**2, square**3, u, v, u * square, v * square)
     values = sum(c * one for c, one in zip(SHADING.values(), terms, strict=True))
-    light = field_of(1 + values, np.ones(shape, bool), Sites(("",)))
+    known = np.ones(shape, bool)
+    known[3::8, 5::10] = known[64:72, 80:90] = False
+    light = field_of(np.where(known, 1 + values, 9.0), known, Sites(("",)))
     found = {name: one.value for name, one in light.shading.items()}
     assert found == pytest.approx(SHADING, abs=2e-3)
     assert light.fall_off.value == pytest.approx(float(np.std(values)), rel=0.02)
@@ -61,7 +64,8 @@ def test_losses_at_white_are_those_of_the_planted_curve(quadratic, cubic):
     levels = white * x * (1 - quadratic * x - (cubic or 0) * x**2)
     levels[[0, -1]] *= 0.9
     made = points(levels, 10 * x)
-    made += [replace(made[3], level=1.0, clipped=0.5), replace(made[3], level=1.0)]
+    off = replace(made[3], level=0.9 * made[3].level)  # none of light alone
+    made += [replace(off, clipped=0.5), replace(off, is_coarse=True)]
     found = linearity(made, 6000.0, 1e-6, white)
     assert found.levels == pytest.approx(levels[1:-1])
     assert found.quadratic.value == pytest.approx(quadratic, rel=1e-3)
