@@ -5,12 +5,10 @@ together, found one by one, and written into the profile."""
 
 import json
 
-import numpy as np
 import pytest
 
 from calibration.planted import RANGE, frames_of, sensor_of
 from cg2raw.calibration import calibrate
-from cg2raw.calibration.structure import fit_decay
 
 EFFECTS = {
     "bias_structure": {
@@ -53,17 +51,3 @@ def test_each_is_found_among_all(found, name):
 
 def test_nothing_else_is_found(found):
     assert set(found) == set(EFFECTS)
-
-
-def test_a_decay_is_found_within_its_errors():
-    """Of its length the error is that of a step of Gauss and Newton."""
-    x = np.arange(300.0)
-    straight, lengths = np.column_stack([np.ones(300), x]), np.geomspace(2, 200, 20)
-    away = []
-    for seed in range(60):
-        noise = np.random.default_rng(seed).normal(0, 0.2, 300)
-        y = 2 + 0.01 * x + 3 * np.exp(-x / 17) + noise
-        _, height, length, errors = fit_decay(straight, x, y, lengths)
-        away.append(np.divide([height - 3, length - 17], errors[-2:]))
-    assert np.abs(np.mean(away, axis=0)).max() < 0.5
-    assert np.std(away, axis=0) == pytest.approx([1, 1], rel=0.3)

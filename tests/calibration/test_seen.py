@@ -4,7 +4,9 @@
 
 from types import SimpleNamespace
 
-from cg2raw.calibration.seen import splits_of
+import numpy as np
+
+from cg2raw.calibration.seen import Seen, splits_of
 
 
 def group(kind, seconds, celsius, frames):
@@ -25,3 +27,14 @@ def test_darks_of_another_set_point_are_alone():
     ]
     assert splits_of(groups) == ["", "set point 0", "", "", "", ""]
     assert splits_of(groups[4:]) == ["", ""]
+
+
+def test_the_mean_over_groups_is_that_of_all_of_their_frames():
+    """Of four frames of 10 DN and two of 40 DN, without the group between."""
+    statistics = SimpleNamespace(
+        groups=range(3),
+        frames=np.array([4, 9, 2]),
+        mean_of=lambda number: np.full((2, 3), (10, 99, 40)[number], np.float32),
+    )
+    found = Seen(None, None, (), statistics).mean_over([0, 2])
+    np.testing.assert_allclose(found, np.full((2, 3), 20))
