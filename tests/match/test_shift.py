@@ -4,10 +4,11 @@
 
 import numpy as np
 import pytest
+from scipy.stats import kurtosis
 
 from cg2raw.match import Levels, shift_between, shift_of
 from cg2raw.match.comparison import times_words
-from cg2raw.match.shift import any_shape, normal, shape_of, shrunk
+from cg2raw.match.shift import any_shape, normal, shape_of, shrunk, variance
 from tiers import first_fast
 
 NONE = np.empty(0)
@@ -179,3 +180,19 @@ def test_levels_are_drawn_and_bounded_as_they_are():
     np.testing.assert_array_equal(found.known, 215.0 + np.arange(60))
     assert set(found.above) == {274.0} and len(found.above) == 25
     assert set(found.below) == {215.0} and len(found.below) == 15
+
+
+def test_a_variance_of_few_levels_is_no_surer_than_that_of_normal_ones():
+    """Of even levels, whose tails are short: by the chi-square table, 1 % of 9 degrees
+    of freedom lie outside of 1.735 and 23.589."""
+    square, low, high = variance(np.arange(10.0))
+    assert square == pytest.approx(55 / 6)
+    assert (low, high) == pytest.approx((82.5 / 23.589, 82.5 / 1.735), rel=1e-3)
+
+
+def test_a_variance_of_levels_with_long_tails_is_less_sure():
+    """The logarithm of a variance has (kurtosis - 1) / n of error, squared."""
+    levels = np.random.default_rng(8).laplace(size=4000)
+    _, low, high = variance(levels)
+    error = np.sqrt((kurtosis(levels, fisher=False) - 1) / len(levels))
+    assert np.log(high / low) == pytest.approx(2 * 2.5758 * error, rel=0.01)

@@ -242,3 +242,16 @@ def test_what_openimageio_throws_is_said_of_the_file(tile):
     spec.tile_height = tile
     with pytest.raises(OSError, match="a.exr: cannot be read: Resource temporarily"):
         read_rows("a.exr", NoThreads(), spec, 0, 16, [0, 1, 2], "float")
+
+
+@pytest.mark.parametrize("tile", [0, 16])
+def test_channels_come_in_the_order_that_is_asked_for(tmp_path, tile):
+    pixels = np.random.default_rng(4).random((16, 16, 4), dtype=np.float32)
+    spec = oiio.ImageSpec(16, 16, 4, "float")
+    spec.channelnames = ("R", "G", "B", "A")
+    spec.tile_width = spec.tile_height = tile
+    path = write_parts(tmp_path / "a.exr", [(spec, pixels)])
+    source = oiio.ImageInput.open(str(path))
+    for channels in ([0, 1, 2], [1, 2], [2, 0], [0, 3]):
+        found = read_rows(path, source, source.spec(), 0, 16, channels, oiio.FLOAT)
+        assert np.array_equal(found, pixels[..., channels])
