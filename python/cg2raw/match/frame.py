@@ -46,11 +46,12 @@ class Frame:
     : shares of bins whose luminance is unknown, as they lie at the floor or are
     clipped. black, clipped : shares of samples at or below the black level, and at
     white. red, blue : median of log2 of R/G and B/G after white balance, stops.
-    saturation : median of their length. sharpness : gradient from one repeat of the CFA
-    to the next over that over eight, 1/8 of ramps, 1 of edges. noise : standard
-    deviation where it is flat, of the square root of the signal over white: that of
-    photons is the same at all levels. NaN where the frame does not show it.
-    thumbnail : luminance of cells, stops, up to a constant; NaN where unknown."""
+    saturation : median of their length. sharpness : rms of gradients from one repeat of
+    the CFA to the next over that over eight: 1/8 of ramps, 0.35 of edges, 1 where each
+    repeat has its own light. noise : standard deviation where it is flat, of the square
+    root of the signal over white: that of photons is the same at all levels. NaN where
+    the frame does not show it. thumbnail : luminance of cells, stops, up to a constant;
+    NaN where unknown."""
 
     name: str
     quantiles: Array
