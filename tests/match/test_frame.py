@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cg2raw import Sensor
-from cg2raw.match.frame import neutral_of_all
+from cg2raw.match.frame import binned, colours, details, neutral_of_all, thumbnail
 from cg2raw.match.renders import Model, simulated
 from match.match_sets import scene, toned
 from oracles import cameras
@@ -102,3 +102,88 @@ def test_a_sensor_without_filters():
     frame = simulated("mono.exr", image, 0, Model(sensor, ()))
     assert frame.level == pytest.approx(-2, abs=0.01)
     assert np.isnan(frame.saturation)
+
+
+@pytest.mark.parametrize("id", ["samsung-s20fe", "fujifilm-x-m1"])
+def test_bins_are_means_of_filters_and_shares_of_samples(id):
+    """Of whole repeats alone, two in each bin of a frame that is wider than 1024 of
+    them; levels differ by site."""
+    sensor = Sensor(id)
+    side = 6 if id.startswith("fuji") else 2
+    rng, (height, width) = np.random.default_rng(6), (33 * side + 1, 1030 * side)
+    raw = rng.integers(0, sensor.white_level + 1, (height, width), np.uint16)
+    black = np.resize(np.array(sensor.black_level, float), (side, side))
+    span, step = sensor.white_level - black, 2 * side
+    used = raw[: 32 * side, :width]
+    signal = (used - np.tile(black, (32, 1030))) / np.tile(span, (32, 1030))
+    colors = np.resize(list(sensor.cfa.upper()), (side, side))
+    bins, shape = binned(raw, sensor), (16, step, 515, step)
+    assert bins.side == step
+    for index, letter in enumerate("RGB"):
+        own = np.where(np.tile(colors == letter, (32, 1030)), signal, np.nan)
+        means = np.nanmean(own.reshape(shape), axis=(1, 3))
+        np.testing.assert_allclose(bins.means[..., index], means, atol=1e-9)
+    white = (signal > 0.99 - 0.5 / span.min()).reshape(shape).mean((1, 3))
+    np.testing.assert_allclose(bins.white, white, atol=0.03)
+    assert bins.clipped == pytest.approx(bins.white.mean())
+    assert bins.black == pytest.approx((signal <= 0).mean(), abs=1e-4)
+
+
+def test_a_thumbnail_has_the_means_of_cells_that_are_mostly_known():
+    stops = np.random.default_rng(7).normal(size=(80, 160))
+    stops[:4, :6], stops[:5, 10:15] = np.nan, np.nan  # 24 and 25 of 50
+    expected = np.nanmean(stops.reshape(16, 5, 16, 10), axis=(1, 3))
+    expected[0, 1] = np.nan
+    np.testing.assert_allclose(thumbnail(stops), expected, atol=2e-3)  # half floats
+
+
+def test_colours_are_medians_over_cells_that_are_lit_as_a_whole():
+    """Cells are 8 px along a side: of five, one is red, and two have a dark bin."""
+    bins = np.ones((2, 10, 3))
+    bins[:, :, 0], bins[:, :, 2] = 2.0**0.3, 2.0**-0.4
+    bins[:, 4:8, 0] = 8.0
+    lit = np.ones((2, 10), bool)
+    lit[0, 4] = lit[0, 9] = False
+    bins[0, 9] = -1.0
+    expected = (0.3, -0.4, 0.5)
+    assert colours(bins, lit, (4, 80)) == pytest.approx(expected)
+    assert np.isnan(colours(bins, ~lit, (4, 80))).all()
+
+
+def plane_of(root, sensor):
+    """Return a frame whose green samples have a root of their signal."""
+    level = (np.repeat(np.repeat(root, 2, 0), 2, 1)) ** 2
+    black = np.mean(sensor.black_level)
+    return np.rint(black + (sensor.white_level - black) * level).astype(np.uint16)
+
+
+@pytest.mark.parametrize(
+    ("profile", "sharpness"),
+    [
+        (lambda x, rng: 0.1 + 0.8 * x / 512, 1 / 8),
+        (lambda x, rng: 0.3 + 0.4 * (x // 64 % 2), 8**-0.5),  # one step of eight
+        (lambda x, rng: rng.uniform(0.2, 0.9, (x < 0).shape), 1.0),
+    ],
+    ids=["ramp", "edges", "each sample its own"],
+)
+def test_sharpness_is_of_the_gradient_over_one_repeat_and_over_eight(
+    profile, sharpness
+):
+    """Of rows that are alike; a part is flat, and nothing is taken for noise."""
+    sensor, x = Sensor("nikon-d850"), np.arange(512.0)
+    columns = profile(x, np.random.default_rng(8))
+    columns[:80] = columns[80]
+    found, noise = details(plane_of(np.tile(columns, (256, 1)), sensor), sensor)
+    assert found == pytest.approx(sharpness, rel=0.1)
+    assert noise < 1e-3
+
+
+def test_noise_is_that_of_the_root_of_the_signal():
+    """Of the flattest tenth of cells of 256 samples, a little less than that of all."""
+    sensor, rng = Sensor("canon-700d"), np.random.default_rng(9)
+    root = 0.5 + 0.01 * rng.standard_normal((384, 512))
+    root[:, 256:] = rng.uniform(0.2, 0.9, (384, 256))
+    _, noise = details(plane_of(root, sensor), sensor)
+    assert 0.85 * 0.01 < noise < 0.01
+    _, noise = details(plane_of(1.01 + root, sensor), sensor)
+    assert np.isnan(noise)
