@@ -9,7 +9,8 @@ import pytest
 
 from calibration.planted import GAIN, RANGE, frames_of, sensor_of
 from cg2raw import write_dng
-from cg2raw.cli._uniform_frames import Said, files_in, uniform_frame
+from cg2raw.calibration import UniformFrame
+from cg2raw.cli._uniform_frames import Said, files_in, kind_of, uniform_frame
 from cg2raw.io.raw_header import Area, RawFile, RawHeader
 from cg2raw.statistics.kept import Kept
 from python.commands import fails, run
@@ -184,3 +185,32 @@ def test_a_row_of_a_table_is_of_all_frames_in_a_file():
         table = {name: Said(exposure_time=3.0)}
         found = uniform_frame(file, sensor_of(), table, Said(kind="dark"), Kept())
         assert (found.name, found.exposure_time) == ("a.tif[1]", 3.0)
+
+
+def test_a_file_says_before_its_table_and_that_before_the_command_line():
+    header = RawHeader("a.dng", Area("active", 0, 0, 4, 4), exposure_time=2.0)
+    file = RawFile(header, lambda levels: np.zeros((4, 4), np.uint16))
+    table = {"a.dng": Said(exposure_time=3.0, iso=200, kind="flat")}
+    given = Said(exposure_time=4.0, iso=400, temperature=20.0)
+    found = uniform_frame(file, sensor_of(), table, given, Kept())
+    said = found.exposure_time, found.iso, found.temperature, found.kind
+    assert said == (2.0, 200, 20.0, "flat")
+    found = uniform_frame(file, sensor_of(), table, Said(kind="dark"), Kept())
+    assert found.kind == "dark"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "share", "kind"),
+    [(None, 0.009, "dark"), (1.0, 0.031, "flat"), (0.0, 0.5, "dark"), (1.0, 0.02, "")],
+)
+def test_a_frame_is_dark_or_flat_by_its_median_over_black(seconds, share, kind):
+    """Rows of stars, or of hot pixels, make no flat of a dark."""
+    sensor = sensor_of()
+    raw = np.full((40, 60), sensor.black_level[0] + share * sensor.signal_range)
+    raw[:15] = sensor.white_level
+    frame = UniformFrame("a", "dark", lambda: raw.astype(np.uint16), seconds)
+    if kind:
+        assert kind_of(frame, sensor) == kind
+    else:
+        with pytest.raises(ValueError, match="a: its level is 2.0% of white: a long"):
+            kind_of(frame, sensor)

@@ -171,5 +171,18 @@ def test_what_is_missing_or_there_twice():
         "is frame 1, as s.0001.exr is; neither is done: keep one",
     ]
     assert second.files == {8: "t.8.exr"} and not list(second.faults())
+    [fault] = frame_files.shot_of("s", {1: ["a"], 3: ["b"]}, None).faults()
+    assert fault == ("s", "frame 2 is missing")
     (only,) = frame_files.shots_of(paths, [range(2, 3), range(5, 7)])
     assert only.missing == [range(6, 7)] and list(only.files) == [2, 5]
+
+
+@pytest.mark.parametrize("wanted", [[range(1, 12)], [range(0, 6), range(7, 30, 3)]])
+def test_missing_frames_are_those_wanted_that_are_not_there(wanted):
+    every = [n for part in wanted for n in part]
+    for there in ({1}, {7, 8, 9}, {0, 5, 11, 28}, {2, 3, 10, 13}, set(every), {99}):
+        rest = frame_files.without(wanted, there)
+        assert [n for part in rest for n in part] == [
+            n for n in every if n not in there
+        ]
+        assert all(rest)

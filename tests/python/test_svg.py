@@ -104,6 +104,18 @@ def test_bars_begin_at_nothing_and_have_rows_of_their_own():
     assert width[0] == pytest.approx(2 * width[1], rel=0.01) and y[1] > y[0] + 8
 
 
+def test_bars_of_one_name_lie_about_its_dot():
+    y = np.array([2.0, 3.0, 1.0])
+    marks = [Mark(f"{n}", y, n * y, "solid") for n in (1, 2, 3)]
+    marks += [Mark("seen", y, y, "dots")]
+    drawn = bars("rows", ["a", "b", "c"], marks, "r")
+    rows = places(drawn, "rect", "x", "y")[:, 1].reshape(3, 3) + 4  # middles of bars
+    dots = places(drawn, "circle", "cx", "cy")[:, 1]
+    assert dots[1:] == pytest.approx(rows[:, 1])  # after the legend's
+    assert np.diff(rows).ravel() == pytest.approx(9)  # px, of bars 8 px high
+    assert (rows[1:, 0] - rows[:-1, 2] > 9).all()
+
+
 def test_what_is_no_number_is_not_drawn():
     y = np.array([1.0, np.nan, 2.0, np.inf])
     drawn = lines("gaps", [Mark("a", np.arange(4.0), y, "dots")], LABELS)

@@ -26,7 +26,7 @@ FORMS = {
     "UTF-16, little-endian": UTF16_LE,
     "UTF-16, big-endian": codecs.BOM_UTF16_BE + GERMAN.encode("utf-16-be"),
     "blanks": PLAIN.replace(",", " , "),
-    "quotes": PLAIN.replace("x", '"x"').replace("1.5,", '"1.5", '),
+    "quotes": PLAIN.replace("x", '"x"').replace("1.5,-2", '"1.5", "-2"'),
     "comments": "# of cards\n\n" + PLAIN.replace("-2", "-2 # dim") + "# end\n",
     "empty cells": PLAIN.replace("\n", ",,\n") + ",,,,\n",
     "capitals": PLAIN.replace("name,a", "Name,A"),

@@ -188,6 +188,7 @@ def test_draws_are_pure_functions_of_the_seed():
     first = upi.simulate(scene, seed=5)
     upi.simulate(scene, seed=6)
     np.testing.assert_array_equal(again.simulate(scene, seed=5, threads=1), first)
+    np.testing.assert_array_equal(upi.simulate(scene), upi.simulate(scene, seed=0))
     other = upi.simulate(scene, seed=5, frame=1)
     assert (other != first).any()
     assert other.simulation.illuminant.neutral == first.simulation.illuminant.neutral
