@@ -10,7 +10,7 @@ import pytest
 import cg2raw
 from cg2raw import _core
 from cg2raw.io.spectra_file import SpectraFile
-from cg2raw.spectra import simulate_spectra
+from cg2raw.spectra import boxes, simulate_spectra
 from dng import dng_files
 from images import attributes, read_dn
 from python import commands
@@ -121,3 +121,15 @@ def test_the_headers_of_a_shot_are_read_without_its_pixels(
     done = commands.run("convert", tmp_path / "s.#.exr", "-o", tmp_path / "raw", *words)
     assert done.code == 0, done.err
     assert sorted(reads) == [str(tmp_path / f"s.{number}.exr") for number in (1, 2)]
+
+
+def test_an_estimated_spectrum_has_the_light_of_each_bin():
+    """Bins reach half way to their neighbours, the outer ones as far on both sides."""
+    centres, values = [400.0, 410.0, 430.0, 435.0], np.array([0.5, 2.0, 0.0, 1.0])
+    nm, power = np.transpose(boxes(centres, values))
+    assert (np.diff(nm) > 0).all()
+    edges = [395, 405, 420, 432.5, 437.5]
+    for low, high, value in zip(edges[:-1], edges[1:], values, strict=True):
+        inside = np.linspace(low + 0.01, high - 0.01, 9)
+        assert np.interp(inside, nm, power) == pytest.approx(value)
+    assert (nm[0], nm[-1]) == pytest.approx((395, 437.5))

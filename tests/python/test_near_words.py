@@ -167,3 +167,15 @@ def test_a_sensor_with_noise_at_one_iso_says_so_for_all_others():
     for iso in (100, 126, 251, 504, 1000):
         with pytest.raises(ValueError, match="is known at ISO 252 only"):
             sensor.noise_at(iso)
+
+
+@pytest.mark.parametrize("letter", ["a", "\u00e9", "\U0001f4f7"])
+def test_a_long_message_keeps_its_start_and_its_end(letter):
+    """No letter of several bytes is cut in half; a short one stays as it is."""
+    message = f"scene\n.exr: {2000 * letter} is unknown"
+    found = near_words.one_line(message)
+    start, _, end = found.partition(" ... ")
+    assert start.startswith("scene?.exr: " + letter) and end.endswith(" is unknown")
+    assert {*start[12:], *end.removesuffix(" is unknown")} == {letter}
+    assert 1480 < len(f"{start}{end}".encode()) <= 1500
+    assert near_words.one_line(message[:300]) == message[:300].replace("\n", "?")
