@@ -182,12 +182,22 @@ def test_levels_are_drawn_and_bounded_as_they_are():
     assert set(found.below) == {215.0} and len(found.below) == 15
 
 
-def test_a_variance_of_few_levels_is_no_surer_than_that_of_normal_ones():
-    """Of even levels, whose tails are short: by the chi-square table, 1 % of 9 degrees
-    of freedom lie outside of 1.735 and 23.589."""
-    square, low, high = variance(np.arange(10.0))
-    assert square == pytest.approx(55 / 6)
-    assert (low, high) == pytest.approx((82.5 / 23.589, 82.5 / 1.735), rel=1e-3)
+@pytest.mark.parametrize(
+    ("levels", "squares", "ends"),
+    [
+        (np.arange(10.0), 82.5, (1.735, 23.589)),  # even ones, whose tails are short
+        ([-1.0, 0, 0, 0, 0, 1], 2.0, (0.412, 16.750)),  # of a normal law's kurtosis
+    ],
+)
+def test_a_variance_of_few_levels_is_no_surer_than_that_of_normal_ones(
+    levels, squares, ends
+):
+    """By the chi-square table, 1 % of n - 1 degrees of freedom lie outside."""
+    square, low, high = variance(np.array(levels))
+    assert square == pytest.approx(squares / (len(levels) - 1))
+    assert (low, high) == pytest.approx(
+        (squares / ends[1], squares / ends[0]), rel=1e-3
+    )
 
 
 def test_a_variance_of_levels_with_long_tails_is_less_sure():

@@ -329,12 +329,17 @@ def intervals(
 
 
 def variance(levels: Array) -> tuple[float, float, float]:
-    """Return (variance, its interval's ends)."""
+    """Return (variance, its interval's ends), by chi-square of as many degrees of
+    freedom as give it the variance that it has with the kurtosis of the levels, and no
+    more than normal levels have. Source: A. M. Mood et al., Introduction to the Theory
+    of Statistics, section VI.2: (kurtosis - (n - 3) / (n - 1)) / n of its square."""
     count, square = len(levels), float(levels.var(ddof=1))
     if square == 0:
         return 0.0, 0.0, 0.0
     kurtosis = float(np.mean((levels - levels.mean()) ** 4)) / float(levels.var()) ** 2
-    freedom = min(2 * count / max(kurtosis - (count - 3) / count, 0.5), count - 1)
+    freedom = min(
+        2 * count / max(kurtosis - (count - 3) / max(count - 1, 1), 0.5), count - 1
+    )
     tails = (1 + LEVEL) / 2, (1 - LEVEL) / 2
     low, high = (square * freedom / float(chdtri(freedom, 1 - tail)) for tail in tails)
     return square, low, high
