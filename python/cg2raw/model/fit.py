@@ -59,6 +59,15 @@ class Fit:
         error = float(np.sqrt(self.covariance[at, at]))
         return (float(self.theta[at]) if np.isfinite(error) else np.nan), error
 
+    def error_at(self, name: str, more: float) -> float:
+        """Return the standard error of a parameter that is larger by so much; nan where
+        it is not known."""
+        theta, at = self.theta.copy(), self.parameters.of(name)
+        theta[at] += more
+        there = self.likelihood(theta)
+        _, covariance = _solved(there.score, there.information, self.known)
+        return float(np.sqrt(covariance[at, at]))
+
     @property
     def known(self) -> NDArray[np.bool_]:
         """(n,) which parameters the frames show."""

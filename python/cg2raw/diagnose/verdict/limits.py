@@ -64,13 +64,11 @@ def _variance_seen(found: DarksAndFlats, name: str) -> float:
     """Return the variance that is seen: where an estimate of it is at the lowest
     twentieth of its chi-square law, whose freedom is by how the error grows with it."""
     fit = found.selection.validation
-    at, known, (_, error) = fit.parameters.of(name), fit.known, fit.of(name)
-    if not known[at]:
+    _, error = fit.of(name)
+    more = 2 * error
+    grown = fit.error_at(name, more) - error if np.isfinite(error) else np.nan
+    if not np.isfinite(grown):
         return np.nan
-    theta = fit.theta.copy()
-    theta[at] += (more := 2 * error)
-    information = fit.likelihood(theta).information[np.ix_(known, known)]
-    grown = np.sqrt(np.linalg.inv(information)[(known[:at].sum(),) * 2]) - error
     freedom = np.clip(2 * (more / max(grown, 1e-3 * error)) ** 2, 1.0, MOST_FREEDOM)
     ways = 1 if name == "black_level_drift" else 2
     low = gammaincinv(ways * freedom / 2, 0.05) / (ways * freedom / 2)
