@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright Contributors to the cg2raw Project.
-"""What images say: the noise of a profile without any."""
+"""What images say: the noise of a profile without any, and limits of what is none."""
 
 from types import SimpleNamespace
 
@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.frames.noise_model import NoiseModel
-from cg2raw.diagnose.verdict.images import noise_row
-from diagnose.planted import bare, model_of, sensor_of
+from cg2raw.diagnose.scenes.gram import Gram, Space
+from cg2raw.diagnose.verdict.images import _limits, noise_row
+from diagnose.planted import BY_NAME, bare, model_of, sensor_of
 
 
 def test_a_profile_without_noise_gets_that_of_its_first_iso():
@@ -33,3 +34,31 @@ def test_a_profile_without_noise_gets_that_of_its_first_iso():
     }
     found.views = found.views[:1]
     assert noise_row(found) is None
+
+
+def test_a_limit_beyond_what_an_effect_may_be_is_none():
+    """Of 8 px from end to end: chromatic aberration of hundreds is not shown."""
+    names = ["exposure", "lateral_chromatic_aberration"]
+    effects = [BY_NAME[name] for name in names]
+    space = Space.of({one.name: len(one.used) for one in effects})
+
+    def shown(aberration):
+        information = np.full(space.size, aberration)
+        information[0] = 1e6
+        gram = Gram(100, 100.0, np.zeros(space.size), np.diag(information))
+        found = SimpleNamespace(
+            grams={"select": gram},
+            chosen=SimpleNamespace(names=[]),
+            shapes={},
+            candidates=names,
+            space=space,
+            fitted=set(),
+            least=8.0,
+            effects=effects,
+            least_flicker=np.inf,
+            names=set(names),
+        )
+        return [one.name for one in _limits(found)]
+
+    assert shown(1e4) == names
+    assert shown(1e-4) == ["exposure"]

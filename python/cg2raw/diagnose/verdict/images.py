@@ -203,7 +203,8 @@ def _limits(found: Scenes) -> Iterator[DetectionLimit]:
     every = limits(found.space, select, list(found.fitted), free, found.least)
     for one in found.effects:
         strengths = every.get(one.name)
-        if strengths is not None and np.isfinite(strengths[0]):
+        most = (one.high - one.low)[one.is_used][0]  # beyond is no such effect
+        if strengths is not None and strengths[0] <= most:
             parameter, unit = one.parameters[0], one.units[0]
             yield DetectionLimit(one.name, parameter, float(strengths[0]), unit)
     if FLICKER not in named and math.isfinite(found.least_flicker):
