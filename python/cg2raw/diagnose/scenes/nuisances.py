@@ -80,9 +80,8 @@ def nuisances_of(
     is_table = frame.samples is not None
     v, u = frame.tiles.places()
     if flicker is not None:
-        rows = (
-            frame.tiles.places(with_margin=True)[0] * np.hypot(*frame.tiles.shape) / 2
-        )
+        with_margin, _ = frame.tiles.places(with_margin=True)
+        rows = with_margin * np.hypot(*frame.tiles.shape) / 2
         for k, wave in enumerate(mains_flicker.EFFECT.waves(flicker, rows)):
             change = camera * wave[:, None]
             yield Nuisance(f"flicker {k}", 1 / np.sqrt(n), True, change)

@@ -12,10 +12,7 @@ from scipy.special import gammaincinv
 from cg2raw.diagnose.darks_and_flats import VALIDATION, DarksAndFlats
 from cg2raw.diagnose.diagnosis import DetectionLimit
 from cg2raw.diagnose.effects.registry import unit_of
-from cg2raw.diagnose.verdict.values import (
-    limits_of_levels,
-    of_amplifiers,
-)
+from cg2raw.diagnose.verdict.values import limits_of_levels, of_amplifiers
 from cg2raw.model.values import LOGARITHMS, Value, effect_values
 from cg2raw.normal import ABOVE95, CI95
 
@@ -44,8 +41,8 @@ def _seen_from(found: DarksAndFlats) -> Iterator[tuple[Value, float]]:
     of_steps = of_amplifiers(found, {name: (0.0, error) for name, error in errors})
     values = effect_values(own, validation, found.profile, white)
     root = np.sqrt(2 * found.least)
+    one_way, both_ways = root + ABOVE95, root + ABOVE95 / np.sqrt(2)
     for one in (*values, *limits_of_levels(found), *of_steps):
-        both_ways = root + ABOVE95 / np.sqrt(2)
         if one.parameter == "sigma":
             had = found.profile[found.both.parameters.of(one.effect)]
             square = had + _variance_seen(found, one.effect)
@@ -56,7 +53,7 @@ def _seen_from(found: DarksAndFlats) -> Iterator[tuple[Value, float]]:
         error = (one.high - one.low) / 2 / CI95
         if one.effect == "dark_current":  # whose interval is Student's
             error = validation.of(one.effect)[1] / white
-        errors_away = both_ways if one.effect in LOGARITHMS else root + ABOVE95
+        errors_away = both_ways if one.effect in LOGARITHMS else one_way
         yield one, errors_away * np.hypot(error, unsure)
 
 
