@@ -141,10 +141,10 @@ def test_a_limit_is_seen_in_95_of_100_sets(consistent, share, sets, least, most)
 
 def test_limits_are_beyond_what_the_profile_has():
     """Of a square that frames show as well with it."""
-    told = stating(SENSOR, {"prnu": {"sigma": 0.01}})
+    stated = stating(SENSOR, {"prnu": {"sigma": 0.01}})
     limits = [
         {one.name: one.strength for one in diagnose(captures).detection_limits}["prnu"]
-        for captures in (captures_of(), replace(captures_of(prnu=0.01), sensor=told))
+        for captures in (captures_of(), replace(captures_of(prnu=0.01), sensor=stated))
     ]
     assert limits[1] == pytest.approx(math.hypot(0.01, limits[0]) - 0.01, rel=0.25)
 
@@ -162,10 +162,9 @@ def test_a_level_that_unnamed_structure_may_make_is_not_sure():
 
 def with_one_flat(captures):
     """Keep the first flat of each split, and all darks."""
-    flats = [c.name for c in captures.captures if c.kind == "flat"]
-    kept = {next(n for n in flats if n.startswith(g)) for g in ("fit", "sel", "rep")}
-    some = [c for c in captures.captures if c.kind == "dark" or c.name in kept]
-    return replace(captures, captures=some)
+    first = {c.group: c for c in captures.captures[::-1] if c.kind == "flat"}
+    darks = [c for c in captures.captures if c.kind == "dark"]
+    return replace(captures, captures=[*darks, *first.values()])
 
 
 @pytest.mark.parametrize(

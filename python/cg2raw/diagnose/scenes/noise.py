@@ -34,8 +34,8 @@ def noise_factors(points: Sequence[Point], residuals: Sequence[Array]) -> Array:
         used = point.root > 0
         light = photon_gain(point.model, frame) * np.maximum(point.base, 0)
         photon.append(np.broadcast_to(light, used.shape)[used])
-        rest = point.model.noise_gain("beta2") * frame.beta2
-        read.append(np.broadcast_to(rest, used.shape)[used])
+        readout = point.model.noise_gain("beta2") * frame.beta2
+        read.append(np.broadcast_to(readout, used.shape)[used])
         own = (view.away**2).sum(0) / (view.n - 1) if view.n > 1 else residual**2
         whole = point.frame_variance if view.n > 1 else point.noise_variance
         others.append(np.maximum(whole[used] - photon[-1] - read[-1], 0))
