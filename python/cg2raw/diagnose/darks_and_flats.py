@@ -37,7 +37,7 @@ from cg2raw.model.profile_values import (
     OF_EFFECTS,
     profile_lags,
 )
-from cg2raw.model.selection import Selection, selection
+from cg2raw.model.selection import LAMP, OF_LENS, Selection, selection
 from cg2raw.model.shapes import shapes
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.model.values import Value, effect_values
@@ -123,10 +123,14 @@ def darks_and_flats(
         whole = stated.without(whole, profile)
     splits = [whole.of_splits([split]) for split in (TRAINING, VALIDATION)]
     both = whole.of_splits((TRAINING, VALIDATION))
-    fits = list[Fit]()
+    say("fitting darks and flats", 0.55)
+    together = fit(both, profile)
+    # What is new in every flat, one flat does not show: those of both splits do.
+    lamp = together.parameters.are(LAMP) & together.known
+    usual, fits = np.where(lamp, together.theta, profile), list[Fit]()
     for statistics in splits:
-        say("fitting darks and flats", 0.55 + 0.1 * len(fits))
-        fits.append(fit(statistics, profile))
+        say("fitting darks and flats", 0.65 + 0.05 * len(fits))
+        fits.append(fit(statistics, usual))
     if not all(one.is_settled for one in fits):
         raise ValueError(
             f"{frames.captures[0].name}: noise lies within a code, and what codes hide "
@@ -138,7 +142,6 @@ def darks_and_flats(
             "Darks have two codes: the share of each tells noise or the black level, "
             "which is taken from the profile; take darks at a higher gain."
         )
-    together = fit(both, profile)
     say("dropping each name", 0.75)
     hot = listed_parameters(sensor, "hot_pixels")
     of_shapes = shapes(
@@ -167,13 +170,27 @@ def darks_and_flats(
         allowed,
         together,
     )
-    levels = [
-        levels_of(captures, frames, one, of_split, found.kept(least), stated)
-        for one, of_split in zip(splits, fits, strict=True)
-    ]
-    gains = dict(found.gains)
-    if levels[0] is not None and levels[1] is not None:
-        gains |= level_gains(levels[0], levels[1], least)
+
+    def gains_of_levels(named: Sequence[str], is_slight: bool) -> dict[str, float]:
+        each = [
+            levels_of(captures, frames, one, of_split, named, stated, is_slight)
+            for one, of_split in zip(splits, fits, strict=True)
+        ]
+        if each[0] is None or each[1] is None:
+            return {}
+        return level_gains(each[0], each[1], least)
+
+    named = found.kept(least)
+    of_levels = gains_of_levels(named, False)
+    gains, alike = {**found.gains, **of_levels}, dict(found.alike)
+    needed = {name for name, gain in of_levels.items() if gain > least}
+    for shading in OF_LENS:  # too little to be named, it may move a mean all the same
+        if needed and shading in found.gains and shading not in named:
+            again = gains_of_levels([*named, shading], True)
+            left = {name for name, gain in again.items() if gain > least}
+            if left < needed:
+                alike |= {n: (*alike.get(n, ()), shading) for n in needed - left}
+                needed = left
     if frames.well is not None:
         gains[WELL] = _nats_of_well(frames.well, sensor)
     if amplifiers.errors:
@@ -186,7 +203,8 @@ def darks_and_flats(
             "whether it is as strong."
         )
     asked = asked - not_tested - {*(() if frames.has_noise else NOISE_TABLE)}
-    found = replace(found, gains={n: g for n, g in gains.items() if n in asked})
+    gains = {name: gain for name, gain in gains.items() if name in asked}
+    found = replace(found, gains=gains, alike=alike)
     say("measuring what was found", 0.9)
     kept = [s for s in of_shapes.found.values() if s.name in found.kept(least)]
     beyond = of_shapes.whole if has_tails else (1.0, 0.0)
@@ -239,12 +257,14 @@ def levels_of(
     found: Fit,
     named: Collection[str],
     stated: StatedShapes,
+    is_slight: bool = False,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none of known light, and of parts
     of frames, which light that falls off reaches by less.
 
     statistics : of some of the frames, without the shapes that are stated. found :
-    their fit. named : effects that move the mean of a flat from its middle."""
+    their fit. named : effects that move the mean of a flat from its middle. is_slight :
+    as of flat_levels."""
     if frames.are_divided:
         return None
     sensor = captures.sensor
@@ -258,6 +278,7 @@ def levels_of(
         is_shaded="lens_shading" in named,
         is_colored="color_shading" in named,
         shaded=stated.mean,
+        is_slight=is_slight,
     )
 
 

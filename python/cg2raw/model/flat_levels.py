@@ -24,6 +24,7 @@ LEAST_ERROR = 1e-5  # relative; a profile's own digits
 STEP = 1e-6  # of a slope by differences
 ROUNDS = 6  # of Gauss-Newton; two are usual
 SETTLED = 1e-9  # relative: steps that change nothing
+SQUARE = 2  # degree
 ALIKE = 1e-9  # of the largest singular value: directions that others make up for
 
 # Of light that moves from frame to frame, what is slow down the rows.
@@ -176,6 +177,7 @@ def flat_levels(
     is_shaded: bool = False,
     is_colored: bool = False,
     shaded: Array | None = None,
+    is_slight: bool = False,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none.
 
@@ -185,7 +187,8 @@ def flat_levels(
     off. nuisances : of a capture set. is_shaded, is_colored : whether light falls off
     towards the corners, of colours differently: then levels are those of the middle of
     the frame. shaded : (sites,) the mean of a stated shading, which mean images lack,
-    over that in the middle."""
+    over that in the middle. is_slight : the light falls off by the square of the
+    distance from the middle, as what is too little to be named may do."""
     if shaded is None:
         shaded = np.ones(len(predicted))
     predicted = predicted * shaded[:, None]
@@ -233,7 +236,10 @@ def flat_levels(
         covariance += FREE * one_color
     ratios = light_of / predicted
     if is_shaded or is_colored:
-        brighter, more = _middles(planes, groups, light_of, is_colored, found.theta)
+        degree = SQUARE if is_slight else None
+        brighter, more = _middles(
+            planes, groups, light_of, is_colored, found.theta, degree
+        )
         ratios = ratios * (1 + (brighter * shaded)[:, None])
         covariance += more[np.ix_(site, site)]
     ratios = ratios.ravel()
@@ -247,14 +253,16 @@ def _middles(
     light: Array,
     is_colored: bool,
     theta: Array,
+    degree: int | None,
 ) -> tuple[Array, Array]:
     """Return (sites,) how much brighter the middle is than the mean, relative, and the
-    covariance of that. Where light slopes, sites differ by their places."""
+    covariance of that. Where light slopes, sites differ by their places. degree : as of
+    middle_of."""
     side, count = planes[0].side, len(planes)
     values, variances, moved = (np.zeros(light.shape) for _ in range(3))
     for site, plane in enumerate(planes):
         low = low_of(plane.plane, site, side)
-        above, samples = middle_of(plane.plane, low)
+        above, samples = middle_of(plane.plane, low, degree)
         values[site] = above[groups] / light[site]
         level = low[groups, 0, 0] / np.sqrt(plane.plane.masked.size)
         moved[site] = level / light[site]

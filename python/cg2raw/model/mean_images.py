@@ -327,17 +327,22 @@ def coefficients_of(plane: PlaneStatistics, site: int, side: int) -> list[Array]
     return [found[part] for part in PARTS[:PIXEL]]
 
 
-def middle_of(plane: PlaneStatistics, low: Array) -> tuple[Array, float]:
+def middle_of(
+    plane: PlaneStatistics, low: Array, degree: int | None = None
+) -> tuple[Array, float]:
     """Return (G,) DN, how far the middle of the frame is above its mean, of what low_of
-    returns; and of how many samples its variance is the mean."""
+    returns; and of how many samples its variance is the mean.
+
+    degree : the highest, of rows and of columns alone; None for all that is known."""
     here = []
     for length in plane.shape:
         around = polynomials(length)[:, [(length - 1) // 2, length // 2]]
         here.append(around.mean(axis=1))
     both = np.outer(*here)
-    used = np.zeros(both.shape, bool)
-    used[1:, 0] = used[0, 1:] = True
-    used[1 : FIELD + 1, 1 : FIELD + 1] = True
+    used, end = np.zeros(both.shape, bool), degree and degree + 1
+    used[1:end, 0] = used[0, 1:end] = True
+    if degree is None:
+        used[1 : FIELD + 1, 1 : FIELD + 1] = True
     found: Array = np.einsum("gjk,jk->g", low, both * used)
     return found, 1 / float((both[used] ** 2).sum())
 

@@ -21,6 +21,7 @@ from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, Prior, gain_of
 from cg2raw.model.lags import Blended, Lags, lag_gains
 from cg2raw.model.shapes import Shapes
+from cg2raw.model.shapes.dust import NAME as DUST
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.model.shapes.random_telegraph_noise import NAME as JUMPS
 from cg2raw.model.values import LOGARITHMS
@@ -48,17 +49,21 @@ NAMES: Mapping[str, tuple[str, ...]] = {
 }
 # A covariance, which no profile states: without the one of its effects it is none.
 BOTH = "dsnu and dark current"
+OF_LENS = ("lens_shading", "color_shading")
+FLICKER = "mains_flicker"
+LAMP = ("lamp", FLICKER)  # what is new in every flat
 MEAN = math.log(2)  # nats that the mean of two likelihood ratios has less than both
 LEAST_SHAPE = 1e-12  # DN^2, or relative: of a stated shape that is none
 # Components that no effect has: where structure is that nothing explains.
 UNNAMED = ("column_noise", "row_fixed_pattern", "columns of light", "rows of light")
+SPOTS = "spots of light"  # likewise, of pixels
 
 
 @dataclass(frozen=True)
 class Selection:
     """gains : nats of each name that the frames can show, on validation frames.
-    unnamed : likewise of UNNAMED. unsure : how far other effects may move levels of
-    darks, DN or DN/s, by name. levels : of LEVELS, those that darks decide.
+    unnamed : likewise of UNNAMED and SPOTS. unsure : how far other effects may move
+    levels of darks, DN or DN/s, by name. levels : of LEVELS, those that darks decide.
     alike : of noise, other names that may be in the place of one."""
 
     gains: Mapping[str, float]
@@ -109,6 +114,8 @@ def selection(
     for name in ("dsnu", "dark_current_nonuniformity"):
         if profile[parameters.of(name)] > 0 and name in places:
             places[name][parameters.of(BOTH)] = False
+    is_alone = not known[parameters.are(LAMP)].any()
+    of_rows = np.array([name.endswith(", slow_rows") for name in parameters.names])
     for name, own in places.items():
         if name in LEVELS:
             continue
@@ -127,6 +134,10 @@ def selection(
         if is_weak and _may_gain(training, own, profile, least):
             back = gain_of(own, values[1], training, profile, least, prior)
         gains[name] = float(np.logaddexp(there, back)) - MEAN
+        if is_alone and name in OF_LENS and gains[name] > least:
+            # Of waves down the rows, those of one flat may be of the light's.
+            if gain_of(own & ~of_rows, values[0], validation, profile, least) < least:
+                alike = {**alike, name: (FLICKER,)}
     levels = {name: places[name] for name in LEVELS if name in places}
     pair = training, validation
     if "black_level_drift" not in levels and together is not None:
@@ -160,7 +171,8 @@ def selection(
                 validation, places["read_noise"], variance, shapes
             )
             gains["read_noise"] = min(of_tails, gains["read_noise"])
-    unnamed = {}
+    dust = shapes.found.get(DUST)
+    unnamed = {SPOTS: dust.unlike} if dust is not None and dust.unlike > 0 else {}
     for name in UNNAMED:
         own = parameters.are([name]) & known
         if own.any():

@@ -30,7 +30,8 @@ def test_what_separates_two_effects_does_not_depend_on_their_order(first):
     ("first", "second", "word"),
     [
         ("prnu", "shot_noise", "repeats in every frame"),
-        ("lens_shading", "exposure", "three or more levels"),
+        ("lens_shading", "exposure", "falls off from the middle"),
+        ("nonlinearity", "exposure", "three or more levels"),
         ("blur", "noise_reduction", "leaves it white"),
         ("black_level", "dark_current", "two exposure times"),
         ("lens_shading", "read_noise", "Repeated frames of one scene"),

@@ -185,6 +185,33 @@ def test_one_flat_of_each_split(seed, hidden, verdict):
         assert "Several flats of one level" in found.next_captures[0]
 
 
+def test_one_flat_does_not_tell_waves_of_its_light_from_shading():
+    """Where those of all splits happen to be alike, and where not."""
+    for seed, verdict in ((101, "consistent"), (103, "ambiguous")):
+        captures = captures_of(seed - 100, drawn_sensor(seed), mains_flicker=0.03)
+        found = diagnose(with_one_flat(captures), details=False)
+        assert found.verdict == verdict
+        alike = {one.name: one.ambiguous_with for one in found.effects}
+        assert all(alike.values()), alike
+        assert "mains_flicker" in alike.get("lens_shading", ["mains_flicker"])
+
+
+@pytest.mark.parametrize(
+    ("hidden", "alike"),
+    [
+        ({"lens_shading": 0.002}, {"exposure": ["lens_shading"]}),
+        ({"color_shading": 0.004}, {"white_balance": ["color_shading"]}),
+        ({"exposure": 0.004}, {"exposure": []}),
+        ({"white_balance": 0.004}, {"white_balance": []}),
+    ],
+)
+def test_shading_too_weak_to_be_seen_may_move_the_mean(hidden, alike):
+    found = diagnose(captures_of(4, drawn_sensor(104), **hidden), details=False)
+    assert {one.name: one.ambiguous_with for one in found.effects} == alike
+    for sentence in found.next_captures:
+        assert "falls off from the middle" in sentence
+
+
 def test_frames_of_another_iso_or_temperature_are_left_out(consistent):
     found, _ = consistent
     for what in ("ISO", "temperature"):

@@ -11,6 +11,7 @@ from scipy.stats import chi2, norm
 from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.verdict import unexplained
 from cg2raw.statistics.constant import PARTS, PIXEL, GroupInfo
+from cg2raw.statistics.patterns import Spots
 
 
 def fit_of(frames, squares=1.0, freedom=100.0):
@@ -95,3 +96,13 @@ def test_structure_that_no_effect_has_is_as_likely_as_its_nats_say():
     assert (one.p_value, one.nats_per_pixel) == pytest.approx((np.exp(-20), 0.02))
     assert (none.p_value, none.nats_per_pixel) == (1, 0)
     assert one.where == "columns differ, anew in every frame"
+
+
+def test_spots_that_are_no_dust_are_told_where_they_are():
+    places = np.array([[10.2, 20.0, 3.0], [70.0, 30.4, 9.0]])
+    gains = {"spots of light": 40.0}
+    [one] = unexplained.unnamed_tests(gains, 1000, Spots(places, 50))
+    assert one.where == (
+        "round spots are darker, the same in all flats, and not of the shape of dust; "
+        "the largest of 2 is at row 70, column 30"
+    )

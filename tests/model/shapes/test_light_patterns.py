@@ -34,6 +34,9 @@ def spots(depth, power=2.0, radius=5.0):
     return left
 
 
+RINGS = spots(0.08, 6.0, radius=12.0) / spots(0.08, 6.0, radius=4.0)
+
+
 def pixels(sigma, seed=8):
     return 1 + sigma * np.random.default_rng(seed).standard_normal(SHAPE)
 
@@ -83,6 +86,13 @@ def named(transmission, **more):
 )
 def test_each_has_its_name(transmission, names):
     assert named(transmission).keys() == names
+
+
+def test_rings_are_there_and_are_unlike_dust():
+    of_rings, of_dust = (
+        shown(frames(one)).found["dust"] for one in (RINGS, spots(0.05))
+    )
+    assert of_rings.unlike > LEAST > of_dust.unlike == of_rings.nats == 0
 
 
 def test_offsets_in_darks_lack_no_light():

@@ -4,6 +4,7 @@
 """Colour shading: vignetting of red and blue that differs from that of green."""
 
 from cg2raw.diagnose.effects.base import Effect
+from cg2raw.diagnose.effects.lens_shading import MORE_FLATS, SAME_ALL_OVER
 
 
 class ColorShading(Effect):
@@ -14,6 +15,7 @@ class ColorShading(Effect):
     told_apart = {
         "lens_shading": "Flats: shading that differs between red, green and blue is "
         "colour shading.",
+        **dict.fromkeys(SAME_ALL_OVER, MORE_FLATS),
     }
 
 

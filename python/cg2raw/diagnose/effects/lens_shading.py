@@ -27,6 +27,17 @@ TURNING = {
     if (power, angles) != (3, 1)
     for wave in ("cos", "sin")
 }
+MORE_FLATS = (
+    "More flats: their mean tells what falls off from the middle, as shading does, "
+    "from what is the same all over."
+)
+SAME_ALL_OVER = (
+    "exposure",
+    "white_balance",
+    "gr_gb_imbalance",
+    "crosstalk",
+    "nonlinearity",
+)
 CORNERS = ("top left", "top right", "bottom left", "bottom right")
 
 
@@ -41,6 +52,7 @@ class LensShading(Effect):
     told_apart = {
         "veiling_glare": "Flats at two levels and a scene with a bright area: glare "
         "adds to dark regions what the bright ones give, shading multiplies.",
+        **dict.fromkeys(SAME_ALL_OVER, MORE_FLATS),
     }
 
     def size_on(self, values: Estimates, sensor: Sensor) -> str:

@@ -88,7 +88,8 @@ def diagnosis_of(
     model = fits[1]
     gap, freedom = _gap(found, chosen, held_out, samples, bool(free))
     tests = [tests_of(one, model, samples) for one in held_out]
-    unnamed = [*unnamed_tests(found.selection.unnamed, samples)]
+    spots = found.statistics.spots
+    unnamed = [*unnamed_tests(found.selection.unnamed, samples, spots)]
     gained = gap.before - gap.after
     left = left_over([*tests[1], *unnamed], gained)
     left += chi_square_test(gap.chi2_after, freedom, gained)

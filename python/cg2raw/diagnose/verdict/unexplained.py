@@ -21,7 +21,9 @@ from cg2raw.diagnose.diagnosis import (
 )
 from cg2raw.model.fit import Fit
 from cg2raw.model.likelihood import Misfit, misfits
+from cg2raw.model.selection import SPOTS
 from cg2raw.statistics.constant import GroupInfo
+from cg2raw.statistics.patterns import Spots
 
 # Parts of frames (statistics.constant.PARTS) in words.
 PLACES: Mapping[str, str] = {
@@ -34,12 +36,14 @@ PLACES: Mapping[str, str] = {
     "field": "broad patches",
     "pixel": "single pixels",
 }
-# Components that no effect has (model.selection.UNNAMED) in words.
+# Components that no effect has (model.selection.UNNAMED, SPOTS) in words.
 COMPONENTS: Mapping[str, str] = {
     "column_noise": "columns differ, anew in every frame",
     "row_fixed_pattern": "rows differ, the same in all darks and flats",
     "columns of light": "columns differ in proportion to light, the same in all flats",
     "rows of light": "rows differ in proportion to light, the same in all flats",
+    SPOTS: "round spots are darker, the same in all flats, and not of the "
+    "shape of dust",
 }
 
 
@@ -116,10 +120,17 @@ def described(group: GroupInfo) -> str:
     return f"{group.kind}s{time}"
 
 
-def unnamed_tests(unnamed: Mapping[str, float], samples: int) -> Iterator[ResidualTest]:
+def unnamed_tests(
+    unnamed: Mapping[str, float], samples: int, spots: Spots | None = None
+) -> Iterator[ResidualTest]:
     """Yield a test of each component that no effect has. unnamed : nats that each gains
-    on validation frames, of so many samples."""
+    on validation frames, of so many samples. spots : those of flats."""
     for name, nats in unnamed.items():
         gain = max(nats, 0.0)
         chance, each = exp(-min(gain, 700.0)), gain / samples
-        yield ResidualTest(name, nats, chance, each, COMPONENTS[name])
+        where = COMPONENTS[name]
+        if name == SPOTS and spots is not None:
+            row, column, _ = max(spots.places, key=lambda place: float(place[2]))
+            where += f"; the largest of {len(spots.places)} is at row {row:.0f}, "
+            where += f"column {column:.0f}"
+        yield ResidualTest(name, nats, chance, each, where)

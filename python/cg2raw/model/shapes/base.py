@@ -22,11 +22,13 @@ CUT = 0.01  # of the samples
 class Shape:
     """An effect that some pixels have. nats : what it gains on validation frames, with
     numbers as trained. figures : its numbers by the registry's names of parameters,
-    where DN are in place of shares of white."""
+    where DN are in place of shares of white. unlike : nats of what is alike, but not
+    of the effect's law."""
 
     name: str
     nats: float
     figures: tuple[Figure, ...]
+    unlike: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ MEGAPIXEL = 1e6
 SMALLEST = 1.0  # px, of that radius, as the registry bounds it
 STEEPEST = 8.0  # power of the radius by which the loss falls; 2 is a Gaussian
 FEWEST = 6  # pixels of which a spot's five numbers are fitted
+MOST_LEFT = 0.1  # nats that their law may leave in spots, over those that it gains
 EVEN = 0.3  # relative sd of the depths, and radii, of spots: even from 1/2 to 3/2
 
 
@@ -42,8 +43,9 @@ class Spot:
 
 def dust(shown: Shown) -> Shape | None:
     """Return the evidence of dark spots, each less that of any among all places that
-    were tried, less that of bright ones, and less what their law leaves in them: the
-    shadow of dust far above a small aperture is a ring. None without spots."""
+    were tried, and less that of bright ones. It is of something unlike dust where their
+    law leaves more than MOST_LEFT of it: a telescope's mirror in the way of light makes
+    rings of shadows. None without spots."""
     spots = shown.statistics.spots
     if spots is None:
         return None
@@ -53,7 +55,7 @@ def dust(shown: Shown) -> Shape | None:
         return None
     first, _, both = excesses
     of_pixels = numbers[first.rows, first.columns]
-    nats, fitted = 0.0, []
+    nats, left, fitted = 0.0, 0.0, []
     for number, place in enumerate(spots.places, 1):
         own = of_pixels == number
         if not own.any():
@@ -67,9 +69,12 @@ def dust(shown: Shown) -> Shape | None:
         nats += more if together[0] < 0 else -more
         spot = _fitted(both.where(own), place)
         if together[0] < 0 and spot is not None:
-            nats -= max(spot.left, 0.0) / 2
+            left += max(spot.left, 0.0) / 2
             fitted.append(spot)
-    return Shape(NAME, nats, _figures(fitted, shape))
+    figures = _figures(fitted, shape)
+    if left > MOST_LEFT * max(nats, 0.0):
+        return Shape(NAME, 0.0, figures, unlike=nats)
+    return Shape(NAME, nats - left, figures)
 
 
 def power_of_spots(shown: Shown, split: str) -> float:
