@@ -10,6 +10,7 @@ import pytest
 from calibration.planted import GAIN, RANGE, frames_of, sensor_of
 from cg2raw import write_dng
 from cg2raw.calibration import UniformFrame
+from cg2raw.cli._frame_table import read_frame_table
 from cg2raw.cli._uniform_frames import Said, files_in, kind_of, uniform_frame
 from cg2raw.io.raw_header import Area, RawFile, RawHeader
 from cg2raw.statistics.kept import Kept
@@ -110,9 +111,6 @@ def test_what_is_wrong_is_said_in_one_line(files, tmp_path):
     assert "give darks and flats" in fails("calibrate", "-s", mine)
     assert "holds no frames" in fails("calibrate", tmp_path, "-s", mine)
     assert "must end in .json" in fails("calibrate", files, "-s", mine, "-o", "x.txt")
-    table.write_text("frame,exposure_s\ndark-0,minus one\n")
-    words = fails("calibrate", files / "darks", "-s", mine, "--frames", table)
-    assert 'frames.csv:2: exposure_s is "minus one"' in words
     table.write_text("frame,exposure_s\nother,1\n")
     words = fails("calibrate", files / "darks", "-s", mine, "--frames", table)
     assert "names none of the frames" in words
@@ -197,6 +195,43 @@ def test_a_file_says_before_its_table_and_that_before_the_command_line():
     assert said == (2.0, 200, 20.0, "flat")
     found = uniform_frame(file, sensor_of(), table, Said(kind="dark"), Kept())
     assert found.kind == "dark"
+
+
+def test_a_table_says_what_files_do_not(tmp_path):
+    """Exposure in s, temperature in degrees Celsius; an empty cell says nothing."""
+    table = tmp_path / "frames.csv"
+    rows = ["dark-0,0,-273.15,", "flat-0,1e6,200,FLAT", "a,,,dark"]
+    table.write_text("\n".join(["frame,exposure_s,temperature_c,kind", *rows]))
+    assert read_frame_table(str(table)) == {
+        "dark-0": Said(exposure_time=0.0, temperature=-273.15),
+        "flat-0": Said(exposure_time=1e6, temperature=200.0, kind="flat"),
+        "a": Said(kind="dark"),
+    }
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ("frame\na", "has no column exposure_s; the first row must name the columns"),
+        ("exposure_s\n1", "has no column frame; the first row must name the columns"),
+        ("frame,exposure_s\na,minus one", ':2: exposure_s is "minus one"'),
+        ("frame,exposure_s\na,-1", r':2: exposure_s is "-1"; .* from 0 to 1e\+06,'),
+        (
+            "frame,exposure_s,temperature_c\na,1,-300",
+            ':2: temperature_c is "-300"; must be a finite number from -273.15 to 200',
+        ),
+        ("frame,exposure_s\na,1\na,2", ":3: frame a is there twice"),
+        (
+            "frame,exposure_s,kind\na,1,bias",
+            ':2: kind is "bias"; must be dark, flat or empty',
+        ),
+    ],
+)
+def test_a_table_that_is_no_good_is_refused(tmp_path, lines, words):
+    table = tmp_path / "frames.csv"
+    table.write_text(lines)
+    with pytest.raises(ValueError, match=f"frames.csv:?.*{words}"):
+        read_frame_table(str(table))
 
 
 @pytest.mark.parametrize(

@@ -307,6 +307,7 @@ BAD = [
     ([*BASE, "--noise", "upi"], 1, "--method upi"),
     ([*BASE, "--upi-gains", "camera"], 1, "--method upi"),
     ([*BASE, "--method", "upi"], 1, "--illuminant"),
+    (["--method", "upi"], 1, "--method upi: needs --sensor, for CFA and levels"),
     ([*UPI, "--digital-gain", "sample"], 1, "--digital-gain"),
     ([*UPI, "--upi-sensors", "nikon-d4"], 1, "did you mean nikon-d40?"),
     ([*UPI, "--upi-sensors", "canon-5d,canon-5d"], 1, "--upi-sensors: canon-5d and"),

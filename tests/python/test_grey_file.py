@@ -159,6 +159,15 @@ def test_what_is_no_frame_is_an_error(tmp_path, what):
     assert path in str(error.value) and "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("name", ["a.pgm", "a.npy", "a.dng"])
+def test_a_file_of_one_frame_has_no_image_to_choose(tmp_path, name):
+    path = str(tmp_path / name)
+    make = {"a.pgm": lambda p: pgm(tmp_path / name, DN, 65535), "a.dng": write_dng}
+    make.get(name, lambda p: np.save(p, DN))(path)
+    with pytest.raises(ValueError, match=f"{name}: holds one frame, and no image 1"):
+        frames_in(path, "1")
+
+
 @pytest.mark.parametrize("name", ["a.tif", "a.png", "a.pgm"])
 def test_a_missing_file_is_one_error(tmp_path, name):
     with pytest.raises(FileNotFoundError, match=name):

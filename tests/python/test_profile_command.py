@@ -207,6 +207,8 @@ def test_dngs_and_other_raw_files_are_not_mixed(dngs, tmp_path):
     (tmp_path / "x.NEF").touch()
     line = fails("profile", dngs[0], tmp_path / "x.NEF")
     assert "not both" in line
+    line = fails("profile", tmp_path / "x.NEF", "--cfa", "RGGB")
+    assert "x.NEF: says its own CFA: leave --cfa out" in line
 
 
 BAD_OUTPUTS = [
@@ -217,6 +219,7 @@ BAD_OUTPUTS = [
     (("-o", "{0}"), "is not a regular file: choose another name"),
     (("-o", "/dev/full"), "No space left"),
     (("--id", "My Camera"), "id "),
+    (("--bits", "12"), "--bits: the files say it; it goes with --ssf alone"),
     (("--neutrals", "{0}/absent.csv"), "No such file"),
 ]
 
