@@ -7,7 +7,7 @@ import pytest
 
 import cg2raw
 from cg2raw import _core
-from cg2raw.spectra import camera_from_spectra, simulate_spectra
+from cg2raw.spectra import STATISTICS, camera_from_spectra, simulate_spectra
 from core.facts import spectral_bins
 
 CENTRES = np.arange(400.0, 701.0, 20.0)
@@ -127,6 +127,18 @@ def test_the_brightest_is_each_bins_largest():
         SENSOR, image, CENTRES, **asked
     ).simulation.illuminant.neutral
     assert camera[3, 4] / camera[3, 4, 1] == pytest.approx(neutral, rel=2e-6)
+
+
+@pytest.mark.parametrize("name", STATISTICS)
+def test_what_is_no_light_counts_as_none(name):
+    """Of an image that is read in parts, the last of them smaller."""
+    image = spectra() * 0.1
+    image[3, 4, 1], image[5, 6, 2], image[7, 8, 3] = np.nan, np.inf, -5.0
+    legal = image.copy()
+    legal[3, 4, 1] = legal[5, 6, 2] = legal[7, 8, 3] = 0.0
+    light = {"mean": legal.sum(axis=(0, 1)), "max": legal.max(axis=(0, 1))}[name]
+    found = STATISTICS[name].of([image[:5], image[5:10], image[10:]])
+    assert found == pytest.approx(light, rel=1e-6)  # of float32
 
 
 @pytest.mark.parametrize(

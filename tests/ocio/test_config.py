@@ -20,7 +20,7 @@ from cg2raw_ocio.spaces import Exposure
 from conftest import OIIOTOOLS, ROOT
 from images import write_image
 from ocio.pixels import kinds_of_pixels
-from oracles import camera_transform
+from oracles import camera_transform, cameras
 from tiers import WHEEL_FAST
 
 CHECKERS = {
@@ -65,6 +65,24 @@ def test_text_is_that_of_the_config(config):
 def test_the_same_config_has_the_same_text(profiles):
     texts = {config_text(make_config(profiles[:2], ["A", "D65"])) for _ in range(2)}
     assert len(texts) == 1
+
+
+def test_a_config_that_cannot_be_is_refused():
+    sensor = cg2raw.Sensor("nikon-d40")
+    grey = cg2raw.Sensor.from_json(cameras.mono_text(id="grey")).profile
+    for sensors, lights, options, words in (
+        ([grey], ["D65"], {}, "sensor grey is monochrome and has no RAW colour space"),
+        ([sensor.profile], ["A", "A"], {}, "'RAW - nikon-d40 - A' is asked for twice"),
+        (
+            [sensor.profile],
+            ["A"],
+            {"exposure": Exposure("sensor")},
+            "convention sensor has no RAW space of its own",
+        ),
+        ([sensor.profile], ["A"], {"version": "2.2"}, "version '2.2' must be 2.0 or"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            make_config(sensors, lights, **options)
 
 
 def test_archive(config, tmp_path):

@@ -21,11 +21,13 @@ def asked(pair):
     return "ocio", "--sensors", pair[0], "--illuminants", pair[1]
 
 
-def float64_camera(pair, rgb):
+def float64_camera(pair, rgb, convention="dng"):
     """Return camera RGB without protected highlights, by NumPy in float64."""
     profile = _core.load_profile(pair[0])
-    transform = camera_transform(profile, pair[1], Exposure())
+    transform = camera_transform(profile, pair[1], Exposure(convention))
     balanced = np.clip(rgb.astype(float) @ transform.first.T, 0, 1)
+    if convention == "paper":  # by way of XYZ, which it clips too
+        balanced = np.clip(balanced @ transform.second.T, 0, 1)
     return balanced * transform.gains, balanced.mean(axis=1) <= 0.9
 
 
@@ -45,17 +47,22 @@ def test_a_ctf_is_exact(tmp_path, pair):
     assert [path.name for path in tmp_path.iterdir()] == ["x.ctf"]  # and no config
 
 
-@pytest.mark.parametrize("pair", PAIRS)
-def test_a_clf_is_exact_below_highlights_and_says_what_is_above(tmp_path, pair):
-    done = run(*asked(pair), "--clf", tmp_path / "x.clf")
+@pytest.mark.parametrize(
+    ("pair", "convention"), [*((pair, "dng") for pair in PAIRS), (PAIRS[0], "paper")]
+)
+def test_a_clf_is_exact_below_highlights_and_says_what_is_above(
+    tmp_path, pair, convention
+):
+    words = ("--convention", convention, "--clf", tmp_path / "x.clf")
+    done = run(*asked(pair), *words)
     rgb = pixels(low=0.0, high=1.0)
     found = through_file(tmp_path / "x.clf", rgb)
-    expected, below = float64_camera(pair, rgb)
+    expected, below = float64_camera(pair, rgb, convention)
     assert difference(found, expected) <= 0.02
-    assert difference(found[below], camera(*pair, rgb)[below]) <= 0.02
+    assert difference(found[below], camera(*pair, rgb, convention)[below]) <= 0.02
     white = difference(
         through_file(tmp_path / "x.clf", np.ones((1, 3), np.float32)),
-        camera(*pair, np.ones((1, 3), np.float32)),
+        camera(*pair, np.ones((1, 3), np.float32), convention),
     )
     (most, mean), (most_below, _) = errors(done.err)
     assert 1000 < most <= white * 1.001 and 0 < mean < most
@@ -112,6 +119,7 @@ def test_the_error_of_a_planted_difference():
     error = measure.error(found, exact)
     assert error.max_dn == pytest.approx(10, abs=0.05)
     assert error.mean_dn == pytest.approx(10 / 3000, rel=0.01)
+    assert measure.error(exact[:0], exact[:0]) == measure.Error(0.0, 0.0)
 
 
 def test_a_file_that_reads_back_otherwise_is_refused():
