@@ -41,8 +41,6 @@ def make_plan(
     that cannot be and is left out, or raises. fields : those of Plan but sensors and
     profiles.
     Raises ValueError naming option, value and remedy."""
-    if fields["method"] not in METHODS:
-        raise ValueError(f"--method {fields['method']}: one of {', '.join(METHODS)}")
     if fields["format"] == "exr" and fields["element_type"] == "uint16":
         raise ValueError("--type uint16: not in EXR; --type float32, or --format npy")
     kept = [
