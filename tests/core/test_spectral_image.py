@@ -240,6 +240,7 @@ def test_what_cannot_be_is_said():
         ({"white": 0.0}, "luminance of white 0 cd/m2 must be"),
         ({"white": float("nan")}, "luminance of white"),
         ({"wavelengths": [400.0, 600.0, 500.0]}, "numbers in nm that rise"),
+        ({"wavelengths": [400.0, 500.0, 500.0]}, "numbers in nm that rise"),
         ({"wavelengths": [400.0]}, "two or more"),
         ({"wavelengths": [400.0, 500.0]}, r"shape \(height, width, 2\)"),
         ({"wavelengths": [1000.0, 1100.0, 1200.0]}, "sees nothing of 1000 to 1200 nm"),

@@ -2,9 +2,17 @@
 # Copyright Contributors to the cg2raw Project.
 """Options that cannot be are one line that says what to do."""
 
+import hashlib
+import json
+
 import pytest
 
+import cg2raw
+from cg2raw.cli.dataset import bytes_words
+from cg2raw.dataset.job import plan_at
+from cg2raw.dataset.options import difference, make_plan
 from dataset.data_sets import scene, write_image
+from oracles import cameras
 from python.commands import fails, run
 
 BAD = [
@@ -104,6 +112,79 @@ def test_images_that_differ_by_case_need_a_disk_that_tells_them(tmp_path, monkey
     assert not module.folds_case(tmp_path / "out")
     (tmp_path / "out/.CG2RAW").symlink_to(".cg2raw")  # as a disk that folds has it
     assert module.folds_case(tmp_path / "out")
+
+
+FIELDS = {
+    **{"illuminants": ("D65",), "digital_gains": (1.0,), "isos": (None,)},
+    **{"noise": None, "exposure_time": None, "white_luminance": None},
+    **{"convention": "dng", "method": "graphics2raw", "seed": 0},
+    **{"format": "dng", "element_type": "float32", "compression": "ljpeg"},
+    **{"crop": None, "patches": 1, "layer": None, "frame_from": "name"},
+}
+
+
+@pytest.mark.parametrize(
+    ("other", "fields", "reason"),
+    [
+        ("mono", {"illuminants": 2}, "--illuminants 2: draws neutrals, and mono is m"),
+        (
+            "canon-70d",
+            {"illuminants": 2, "light_draws": "measured"},
+            "--light-draws measured: ",
+        ),
+        ("nikon-d40", {"isos": (800,)}, "--iso 800: not with nikon-d40: "),
+        ("fujifilm-x-m1", {"format": "exr"}, "fujifilm-x-m1"),
+    ],
+)
+def test_a_sensor_that_cannot_is_left_out_and_another_stays(other, fields, reason):
+    mono = cg2raw.Sensor.from_json(cameras.mono_text(id="mono"))
+    sensor = mono if other == "mono" else cg2raw.Sensor(other)
+    fields, left_out = FIELDS | fields, []
+    plan = make_plan(
+        [sensor, cg2raw.Sensor("samsung-s20fe")], left_out.append, **fields
+    )
+    assert plan.sensors == ("samsung-s20fe",)
+    (sentence,) = left_out
+    assert reason in sentence
+    with pytest.raises(ValueError, match="--sensors: none is left that can do what"):
+        make_plan([sensor], left_out.append, **fields)
+
+
+def test_a_worker_takes_no_plan_but_the_one_that_was_begun(tmp_path):
+    """As on machines of a cluster, which need one folder and one version."""
+    plan = make_plan([cg2raw.Sensor("nikon-d40")], pytest.fail, **FIELDS)
+    text, path = plan.to_json(), tmp_path / "dataset.json"
+    sha256 = hashlib.sha256(text.encode()).hexdigest()
+    with pytest.raises(ValueError, match="dataset.json: a worker does not see it: OUT"):
+        plan_at(str(tmp_path), sha256)
+    path.write_text(text + " ")
+    with pytest.raises(ValueError, match="has changed while the data set was being"):
+        plan_at(str(tmp_path), sha256)
+    path.write_text(text)
+    assert plan_at(str(tmp_path), sha256) == plan
+    older = json.dumps(json.loads(text) | {"cg2raw": "0.0.1"})
+    path.write_text(older)
+    words = f"is of cg2raw 0.0.1, and a worker has {cg2raw.__version__}: install"
+    with pytest.raises(ValueError, match=words):
+        plan_at(str(tmp_path), hashlib.sha256(older.encode()).hexdigest())
+    assert difference(text, plan) is None
+    assert "was made by cg2raw 0.0.1, this is" in difference(older, plan)
+
+
+@pytest.mark.parametrize(
+    ("count", "words"),
+    [
+        (0, "0 bytes"),
+        (999, "999 bytes"),
+        (1000, "1 kB"),
+        (999_499, "999 kB"),
+        (999_600, "1 MB"),
+        (1.234e9, "1.23 GB"),
+        (45e12, "45 TB"),
+    ],
+)
+def test_bytes_have_three_digits(count, words):
+    assert bytes_words(count) == words
 
 
 def test_all_sensors_leave_out_what_they_cannot(images, tmp_path):

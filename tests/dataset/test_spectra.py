@@ -83,6 +83,10 @@ WRONG = {
     "rgb": (["--illuminants", "A", "--white-luminance", "9"], "--convention spectral"),
     "drawn": ([*ASKED[4:], "--illuminants", "3"], "--illuminants 3 draws others"),
     "gain": ([*ASKED[2:], "--digital-gain", "1,2"], "--digital-gain is of RGB"),
+    "luminance": (
+        [*ASKED[2:], "--scene-luminance", "100", "--exposure-time", "1/60"],
+        "their luminance is known; leave --scene-luminance out",
+    ),
     "nothing stated": ([*ASKED[4:], "--illuminants", "estimate"], "states no light"),
     "upi": (["--illuminants", "2", "--method", "upi"], "--method upi is of RGB"),
 }

@@ -67,6 +67,20 @@ def test_a_missing_number_is_one_only_where_it_may_be(tmp_path):
         row.number(0, 0, 9)
 
 
+@pytest.mark.parametrize(
+    ("cell", "good"),
+    [("-1", True), ("2", True), ("-1.001", False), ("2.001", False), ("", False)],
+)
+def test_bounds_are_legal_values(tmp_path, cell, good):
+    row = read_table(written(tmp_path, f"a;b\n{cell};x\n")).rows[0]
+    if good:
+        assert row.number(0, -1, 2) == float(cell)
+        return
+    words = rf't.csv:2: a is "{cell}"; must be a finite number from -1 to 2$'
+    with pytest.raises(ValueError, match=words):
+        row.number(0, -1, 2)
+
+
 BAD = {
     "commas for both": (
         "a,b\n1,5,2\n",
@@ -95,7 +109,10 @@ def test_what_nobody_can_tell_is_refused(tmp_path, case):
 
 def test_a_lamp_with_commas_for_both_is_not_cut_off(tmp_path):
     rows = [f"{nm},1,{nm}" for nm in range(380, 785, 5)]
-    for head in (["wavelength,power"], []):
+    for head, where in (
+        (["wavelength,power"], "line 1"),
+        ([], "a table without names"),
+    ):
         path = written(tmp_path, "\n".join([*head, *rows]))
-        with pytest.raises(ValueError, match="has 3 cells, and .* has 2"):
+        with pytest.raises(ValueError, match=f"has 3 cells, and {where} has 2"):
             read_power(path)
