@@ -148,6 +148,8 @@ def test_numbers_of_names():
     assert frame_files.numbered("shot.%04d.dng", -3) == "shot.-003.dng"
     assert frame_files.numbered("raw/shot.####.dng", 7) == "raw/shot.0007.dng"
     assert frame_files.numbered("shot.%05d.dng", 7) == "shot.00007.dng"
+    assert frame_files.numbered("shot.#.dng", 7) == "shot.0007.dng"
+    assert frame_files.numbered("a#/shot_@@.##.dng", 7) == "a#/shot_07.##.dng"
     assert frame_files.numbered("shot.#.dng", 10001) == "shot.10001.dng"
     assert frame_files.numbered("shot.%d.dng", 7) == "shot.7.dng"
 

@@ -17,6 +17,7 @@ from cg2raw.synthetic import charge, conditions, light, scenes
 from cg2raw.synthetic.camera import camera_of
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.density import log_density
+from cg2raw.synthetic.measured import Measured
 from cg2raw.synthetic.readout import Noise, blended, read_out
 from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
 from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS, _glow
@@ -302,6 +303,81 @@ def test_what_is_moved_stands_beside():
     ramp = 200 + 2 * field.x + 3 * field.y
     moved = field.moved(ramp, np.full(ramp.shape, 1.5), np.full(ramp.shape, -0.5))
     assert moved[field.inner] == pytest.approx(ramp[field.inner] + 1.5, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("shift", "residual"), [(2.0, 0.0), (0.0, 0.2), (2.0, 0.2), (0.0, 0.0)]
+)
+def test_a_camera_stands_aside_by_no_more_than_is_stated(shift, residual):
+    """Of ramps of a pixel a step: what they are moved by is what they change by."""
+    field = light.Field((40, 50), 10)
+    ramps = np.stack([100 + field.x, 100 + field.y, np.full(field.x.shape, 9.0)], -1)
+    nuisances = {"shift": shift, "residual": residual}
+    farthest = []
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        moved = conditions.misregistered(rng, ramps, field, nuisances)
+        by = (moved - ramps)[field.inner]
+        assert by[..., 2] == pytest.approx(0, abs=1e-9)  # no structure, no change
+        aside = np.hypot(by[..., 0], by[..., 1])
+        assert aside.max() <= shift + residual + 1e-3
+        farthest.append(aside.max())
+        if not residual:
+            assert aside == pytest.approx(aside.max(), abs=1e-3)  # all alike
+    assert max(farthest) >= 0.6 * (shift + residual)
+
+
+@pytest.mark.parametrize("power", [0.0, 1.0, 2.0])
+def test_a_nonlinear_pixel_loses_its_share_at_full_well(camera, power):
+    """Half way it loses half of that, or a quarter: share x level^power; power 0
+    stands for a pixel that fills up, (1 - exp(-s level)) / s."""
+    hidden = {"nonlinearity": {"loss": 0.1, "power": power}}
+    patterns = charge.patterns(np.random.default_rng(0), (2, 2), {}, camera)
+    full = camera.over(camera.full_well, (2, 2))
+    kept = [
+        charge.electrons(np.full((2, 2), x), hidden, camera, patterns, 0.0) / (x * full)
+        for x in (1e-6, 0.5, 1.0)
+    ]
+    assert kept[0] == pytest.approx(1, abs=1e-6)
+    assert kept[2] == pytest.approx(0.9)
+    if power:
+        assert kept[1] == pytest.approx(1 - 0.1 * 0.5**power)
+    else:
+        left = 2 * kept[2] / kept[1] - 1  # exp(-s / 2)
+        assert kept[1] == pytest.approx((1 - left) / -np.log(left))
+
+
+def test_what_no_camera_has_is_refused(sensor):
+    hidden = {"prnu": {"sigma": 0.01, "size": 2.0}}
+    field = np.ones((48, 60))
+    for options, words in (
+        ({"hidden": hidden}, "hidden effect prnu needs sigma, not sigma, size"),
+        ({"shape": (48, 65)}, "size 65x48 px: both sides must be even, and 48 at le"),
+        ({"shape": (46, 64)}, "size 64x46 px: both sides"),
+        ({"nuisances": {"fog": 1}}, "nuisance 'fog' must be one of light, exposure"),
+        ({"nuisances": {"shift": 20.1}}, "nuisance shift = 20.1 must be 0 to 20"),
+        ({"nuisances": {"shift": -0.1}}, "nuisance shift = -0.1 must be 0 to 20"),
+        (
+            {"measured": Measured(transmission=field)},
+            r"measured transmission, \(48, 60\), must have the frames' shape \(48, 6",
+        ),
+    ):
+        given = {"hidden": {}, "seed": 1, "shape": SHAPE} | options
+        with pytest.raises(ValueError, match=words):
+            simulate_captures(sensor, given.pop("hidden"), **given)
+    for full_well, read_noise, words in (
+        (9.9, 0.5, "full well 9.9 e- must be 10 to 1000000"),
+        (1.1e6, 2, "full well 1.1e"),
+        (1000, 0, "read noise 0 e- must be above 0 and below a tenth"),
+        (1000, 100, "read noise 100 e- must be above 0 and below a tenth of the full "
+         "well, 1000 e-"),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=words):
+            with_noise(sensor, full_well, read_noise, ISO)
+    for full_well in (10, 1e6):
+        noise = with_noise(sensor, full_well, full_well / 20, ISO).noise_at(ISO)
+        assert noise["beta1"] == pytest.approx([1 / full_well] * 4)
+        assert noise["beta2"] == pytest.approx([1 / 400] * 4)
 
 
 def test_fall_off_is_the_fourth_power_of_the_cosine():
