@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import kurtosis
 
 from cg2raw.match import Levels, shift_between, shift_of
-from cg2raw.match.comparison import times_words
+from cg2raw.match.comparison import stops_words, times_words
 from cg2raw.match.shift import any_shape, normal, shape_of, shrunk, variance
 from tiers import first_fast
 
@@ -163,6 +163,19 @@ def test_it_is_the_same_each_time():
 )
 def test_how_a_ratio_is_said(ratio, words):
     assert times_words(ratio) == words
+
+
+@pytest.mark.parametrize(
+    ("stops", "words"),
+    [
+        (0.04, "as bright as those of captures"),
+        (-0.04, "as bright as those of captures"),
+        (0.06, "0.1 stops brighter"),
+        (-1.25, "1.2 stops darker"),
+    ],
+)
+def test_how_stops_are_said(stops, words):
+    assert stops_words(stops) == f"are {words}"
 
 
 def test_levels_are_drawn_and_bounded_as_they_are():

@@ -123,6 +123,29 @@ def test_the_profile_is_legal_and_tells_its_sources(written):
     )
 
 
+def test_numbers_have_the_steps_that_a_dng_keeps():
+    """ColorMatrix 1e-4, AsShotNeutral 1e-6; measured curves no more than that."""
+    profile = profile_from_ssf(three_lobes(), **SENSOR, lights=["A", "FL2"])
+    curves = profile["spectral_sensitivities"]
+    for values, decimals in (
+        ([profile["color_matrix_1"], profile["color_matrix_2"]], 4),
+        (profile["illuminants"]["neutrals"], 6),
+        ([curves[name] for name in "RGB"], 6),
+    ):
+        np.testing.assert_array_equal(values, np.round(values, decimals))
+        assert not np.array_equal(values, np.round(values, decimals - 1))
+
+
+def test_an_id_is_made_of_the_cameras_name_and_cut():
+    for model, id in (
+        ("Lobes 3.1 (beta)", "acme-lobes-3.1-beta"),
+        ("y" * 200, "acme-" + 95 * "y"),
+        (94 * "y" + " and more", "acme-" + 94 * "y"),  # not with a - at its end
+    ):
+        mono = SENSOR | {"cfa": "mono"}  # which has no matrices to be fitted
+        assert profile_from_ssf(three_lobes(), **mono, model=model)["id"] == id
+
+
 def test_its_matrices_give_the_neutrals_that_the_sensitivities_give():
     """Within the matrices' four decimals, and A's 2856 K beside a DNG's 2850 K."""
     profile = profile_from_ssf(three_lobes(), **SENSOR)
@@ -164,6 +187,17 @@ def test_a_narrow_line_between_steps_is_seen_where_it_is(written):
 def test_an_unknown_light_is_refused(light, message):
     with pytest.raises(ValueError, match=message):
         neutral_under(three_lobes(), light)
+
+
+def test_each_channel_must_see_the_light():
+    blind = Sensitivities("blind.json", three_lobes().rgb * [1, 1, 0])
+    with pytest.raises(ValueError, match=r"blind.json: under light 'A' grey is .* 0.0"):
+        neutral_under(blind, "A")
+
+
+def test_neutrals_need_a_light():
+    with pytest.raises(ValueError, match="lobes.json: lights is empty; name at least"):
+        profile_from_ssf(three_lobes(), **SENSOR, lights=[])
 
 
 def test_channels_that_see_the_same_have_no_matrix():
