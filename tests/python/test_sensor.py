@@ -54,6 +54,7 @@ BAD_IMAGES = [
     (IMAGE * 255).astype(np.uint8),
     IMAGE > 0,
     IMAGE.astype(complex),
+    "an image",
 ]
 
 
@@ -61,6 +62,11 @@ BAD_IMAGES = [
 def test_bad_images_are_value_errors(sensor, image):
     with pytest.raises(ValueError):
         sensor.simulate(image, illuminant="D65")
+
+
+def test_rows_of_other_lengths_are_no_image(sensor):
+    with pytest.raises(ValueError, match=r"is no image: .* inhomogeneous"):
+        sensor.simulate([[0.5, 0.5], [0.5]], illuminant="D65")
 
 
 def test_any_float_and_any_strides(sensor):
@@ -74,6 +80,16 @@ def test_a_sensor_is_not_altered_and_can_be_pickled(sensor):
         sensor.white_level = 5
     again = pickle.loads(pickle.dumps(sensor))
     assert again.to_json() == sensor.to_json()
+
+
+def test_a_sensor_has_the_fields_of_its_profile(sensor):
+    assert repr(sensor) == "Sensor('samsung-s20fe')"
+    assert {"white_level", "simulate", "noise_at"} <= set(dir(sensor))
+    black = np.mean(sensor.black_level)
+    assert sensor.signal_range == sensor.white_level - black == 1023 - 64
+    for owner in (sensor, cg2raw.Sensor.__new__(cg2raw.Sensor), cg2raw):
+        with pytest.raises(AttributeError):
+            _ = owner.whitelevel
 
 
 def test_an_illuminant_belongs_to_its_sensor(sensor):

@@ -222,6 +222,9 @@ BAD = [
     ({"noise": "loud"}, {}, "sensor or upi"),
     ({"digital_gain": "sample"}, {}, "upi"),
     ({"noise": "upi"}, {"iso": 100}, "leave iso"),
+    ({"noise": "upi"}, {"noise": "gaussian"}, "leave iso and noise out"),
+    ({}, {"illuminant": "A"}, "UPI draws illuminant itself: leave it out"),
+    ({}, {"digital_gain": 0.5}, "UPI draws digital_gain itself: leave it out"),
     ({}, {"iso": 100}, "no measured noise"),
     ({"sensor": "fujifilm-x-m1", "noise": "upi"}, {}, "Bayer"),
 ]
