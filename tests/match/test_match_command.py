@@ -5,12 +5,14 @@
 import json
 import re
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import OpenImageIO as oiio
 import pytest
 
 from cg2raw import Sensor, __version__, write_dng
+from cg2raw.cli.match import iso_of
 from cg2raw.match import captures_in
 from cg2raw.match.frame import REC709
 from match.match_sets import scene
@@ -207,6 +209,21 @@ def test_a_missing_library_is_named(folders, monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy.optimize", None)
     line = fails(*words(folders))
     assert "needs scipy.optimize: pip install 'cg2raw[diagnose]'" in line
+
+
+@pytest.mark.parametrize(
+    ("sensor", "asked", "stated", "iso"),
+    [
+        (SENSOR, None, [100, 800, None, 400], 400),
+        (SENSOR, 200, [800], 200),
+        (SENSOR, None, [None], None),
+        (SENSOR, None, [409600], None),  # whose noise nobody knows
+        ("nikon-d40", None, [400], None),  # nor any of this sensor's
+    ],
+)
+def test_renders_have_the_noise_of_the_captures_iso(sensor, asked, stated, iso):
+    captures = [SimpleNamespace(iso=one) for one in stated]
+    assert iso_of(SimpleNamespace(iso=asked), Sensor(sensor), captures) == iso
 
 
 def test_developed_pictures_are_no_captures(folders, tmp_path):

@@ -9,7 +9,7 @@ import pytest
 
 import cg2raw
 from cg2raw import _core
-from cg2raw.io.spectra_file import SpectraFile
+from cg2raw.io.spectra_file import SpectraFile, spectra_in
 from cg2raw.spectra import boxes, simulate_spectra
 from dng import dng_files
 from images import attributes, read_dn
@@ -121,6 +121,15 @@ def test_the_headers_of_a_shot_are_read_without_its_pixels(
     done = commands.run("convert", tmp_path / "s.#.exr", "-o", tmp_path / "raw", *words)
     assert done.code == 0, done.err
     assert sorted(reads) == [str(tmp_path / f"s.{number}.exr") for number in (1, 2)]
+
+
+def test_what_is_wrong_with_channels_names_the_file(tmp_path, spectra):
+    path = tmp_path / "s.exr"
+    write_spectra(path, spectra[..., :2], ["T.400nm", "T.500nm"])
+    with pytest.raises(ValueError, match=r"s.exr: its spectrum is a reflectance"):
+        spectra_in(path)
+    write_spectra(path, spectra[..., :2], ["R", "G"])
+    assert spectra_in(path) is None
 
 
 def test_an_estimated_spectrum_has_the_light_of_each_bin():

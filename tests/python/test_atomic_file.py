@@ -39,6 +39,26 @@ def test_an_older_folder_keeps_its_permissions(tmp_path, umask):
     assert mode(folder) == 0o775 and (folder / "a").read_bytes() == b"new"
 
 
+def test_a_folder_is_replaced_only_if_all_in_it_is_ours(tmp_path):
+    folder, file = tmp_path / "folder", tmp_path / "file"
+    file.write_bytes(b"mine")
+    folder.mkdir()
+    (folder / "a.ctf").write_bytes(b"old")
+    (folder / "notes.txt").write_bytes(b"mine")
+    files = {"b.ctf": b"new"}
+    for path, words in (
+        (file, "file: is there already and no folder; remove it"),
+        (folder, "folder: holds notes.txt, which is not ours; remove it"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            write_folder(path, files, lambda name: name.endswith(".ctf"))
+    assert file.read_bytes() == b"mine"
+    assert sorted(path.name for path in folder.iterdir()) == ["a.ctf", "notes.txt"]
+    (folder / "notes.txt").unlink()
+    write_folder(folder, files, lambda name: name.endswith(".ctf"))
+    assert [path.name for path in folder.iterdir()] == ["b.ctf"]
+
+
 def test_a_link_stays_one_and_its_file_is_written(tmp_path, umask):
     (tmp_path / "sub").mkdir()
     (tmp_path / "sub/file").write_bytes(b"old")

@@ -227,3 +227,18 @@ def test_amplifiers_that_do_not_fit_are_refused(tmp_path, more, words):
     path = amplifiers(tmp_path / "a.fits", 2, 1, **more)
     with pytest.raises(ValueError, match=f"a.fits: {words}"):
         fits_file.frames(str(path), "all")
+
+
+def test_amplifiers_have_as_many_frames_each(tmp_path):
+    path = amplifiers(tmp_path / "a.fits", 2, 1)
+    with fits.open(path, mode="update") as file:
+        for hdu in file[1:]:
+            hdu.data = np.stack([hdu.data, hdu.data + 100])
+    frames = fits_file.frames(str(path), "all")
+    assert [frame.header.name for frame in frames] == ["a.fits[0]", "a.fits[1]"]
+    for frame in frames:  # the bias of the overscan is 100 DN higher, too
+        np.testing.assert_array_equal(frame.mosaic(sensor=SENSOR), LIGHT + BLACK)
+    with fits.open(path, mode="update") as file:
+        file[2].data = file[2].data[:1]
+    with pytest.raises(ValueError, match="its images have different numbers of frames"):
+        fits_file.frames(str(path), "all")

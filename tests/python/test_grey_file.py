@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Grey pictures as RAW frames: the words that were written come back."""
 
+import os
 import struct
 import zlib
 
@@ -140,9 +141,17 @@ REFUSED = {
     "negative": (lambda p: tiff(p / "a.tif", EIGHT - np.int16(9)), "pixels are no DN"),
     "no picture": (lambda p: write(p / "a.png", b"no PNG"), "a.png"),
     "no PGM": (lambda p: write(p / "a.pgm", b"P2\n1 1\n255\n7\n"), "no binary PGM"),
+    "half a PNG": (lambda p: half(png(p / "a.png", DN)), "a.png: "),
+    "half a TIFF": (lambda p: half(tiff(p / "a.tif", DN)), "a.tif: "),
     "half a PGM": (lambda p: write(p / "a.pgm", b"P5 9 9 255\n7"), "is cut off"),
     "a PGM of 0": (lambda p: write(p / "a.pgm", b"P5 9 9 0\n7"), "its largest word 0"),
 }
+
+
+def half(path):
+    with open(path, "r+b") as file:
+        file.truncate(os.path.getsize(path) - DN.nbytes // 2)
+    return path
 
 
 def write(path, data):

@@ -4,6 +4,7 @@
 
 import struct
 import warnings
+import zipfile
 
 import numpy as np
 import pytest
@@ -98,6 +99,18 @@ def test_the_arrays_of_an_npz_are_frames(tmp_path):
         third.mosaic()
     with pytest.raises(ValueError, match="a.npz: has no array d; it has a, b, c"):
         frames_in(path, "d")
+
+
+def test_an_array_of_an_npz_may_have_a_header_of_any_version(tmp_path):
+    dn = np.arange(12, dtype=np.uint16).reshape(3, 4)
+    path = str(tmp_path / "a.npz")
+    with zipfile.ZipFile(path, "w") as stored:
+        for version in (1, 2):
+            with stored.open(f"v{version}.npy", "w") as member:
+                np.lib.format.write_array(member, dn + version, (version, 0))
+    for version, frame in zip((1, 2), frames_in(path), strict=True):
+        assert (frame.header.name, frame.header.shape) == (f"v{version}", (3, 4))
+        np.testing.assert_array_equal(frame.mosaic(), dn + version)
 
 
 def test_an_npz_without_a_frame_is_refused(tmp_path):

@@ -4,12 +4,13 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 import cg2raw
 from cg2raw.io.raw_checks import check_alike, check_sensor, first_unlike, together
 from cg2raw.io.raw_file import open_raw
-from cg2raw.io.raw_header import Area, RawHeader
+from cg2raw.io.raw_header import Area, RawFile, RawHeader
 from python.commands import write_dng
 
 SHAPE = (40, 64)  # LibRaw opens no smaller file than 22 x 22
@@ -49,6 +50,19 @@ def test_another_size_than_the_sensor_s_is_said():
     assert check_sensor(dataclasses.replace(header("a"), active=size), sensor) == []
     [note] = check_sensor(header("a"), sensor)
     assert note.startswith(f"is 6x4, the active area of nikon-d40 is {sensor.width}x")
+
+
+def test_an_area_is_that_of_the_file_which_stays_as_it_is():
+    dn = np.arange(60, dtype=np.uint16).reshape(6, 10)
+    file = RawFile(
+        dataclasses.replace(header("a.npy"), active=Area("active", 1, 2, 4, 6)),
+        lambda levels: dn,
+    )
+    np.testing.assert_array_equal(file.mosaic(), dn[1:5, 2:8])
+    np.testing.assert_array_equal(file.mosaic(Area("left", 0, 0, 6, 2)), dn[:, :2])
+    cut = dataclasses.replace(file, read=lambda levels: dn[:3])
+    with pytest.raises(ValueError, match="a.npy: was changed while it was read; start"):
+        cut.mosaic()
 
 
 def test_a_sentence_on_many_frames_is_said_once():

@@ -139,6 +139,16 @@ BAD = {
 }
 
 
+def test_wavelengths_from_400_to_690_nm_are_enough(written):
+    rows = zip(WAVELENGTHS.tolist(), three_lobes().rgb, strict=True)
+    lines = [f"{w},{r},{g},{b}" for w, (r, g, b) in rows if 400 <= w <= 690]
+    found = read_sensitivities(written("\n".join(lines), "just.csv"))
+    assert found.measured().wavelengths[[0, -1]].tolist() == [400, 690]
+    for cut, ends in ((lines[1:], "405 to 690"), (lines[:-1], "400 to 685")):
+        with pytest.raises(ValueError, match=f"{ends} nm must cover 400 to 690 nm"):
+            read_sensitivities(written("\n".join(cut), "cut.csv"))
+
+
 @pytest.mark.parametrize("case", BAD)
 def test_a_bad_file_is_refused_in_one_line(written, case):
     content, message = BAD[case]
