@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from cg2raw.profile.neutral_mixture import mixture_of
+from cg2raw.profile.neutral_mixture import criterion, log_densities, mixture_of
 from oracles import cameras
 from tiers import first_fast
 
@@ -27,8 +27,15 @@ DAY = (0.7, [0.45, 0.70], [[4e-4, -1e-4], [-1e-4, 9e-4]])
 LAMPS = (0.3, [0.80, 0.35], [[16e-4, -6e-4], [-6e-4, 4e-4]])
 
 
-def test_planted_gaussians_are_found():
-    found = mixture_of(drawn([DAY, LAMPS], 300))
+NEUTRALS = drawn([DAY, LAMPS], 300)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return mixture_of(NEUTRALS)
+
+
+def test_planted_gaussians_are_found(found):
     assert len(found) == 2
     for part, (share, mean, covariance) in zip(found, (DAY, LAMPS), strict=True):
         assert part["weight"] == pytest.approx(share, abs=0.01)
@@ -40,6 +47,42 @@ def test_planted_gaussians_are_found():
 
 def test_one_gaussian_is_one():
     assert len(mixture_of(drawn([(1.0, *DAY[1:])], 50))) == 1
+
+
+def test_a_mixture_has_the_mean_and_covariance_of_its_neutrals(found):
+    """A law of EM, at each of its steps; a Gaussian is as much wider as its floor, 2 %
+    of the standard deviation of all. Numbers of profiles have 6 and 9 decimals."""
+    weights, means, covariances = (
+        np.array([part[name] for part in found])
+        for name in ("weight", "mean", "covariance")
+    )
+    assert weights.sum() == pytest.approx(1, abs=2e-6)
+    assert (np.diff(weights) <= 0).all()
+    assert weights @ means == pytest.approx(NEUTRALS.mean(axis=0), abs=4e-6)
+    apart = means - NEUTRALS.mean(axis=0)
+    whole = np.einsum("k,kij->ij", weights, covariances)
+    whole += np.einsum("k,ki,kj->ij", weights, apart, apart)
+    floor = np.diag((0.02 * NEUTRALS.std(axis=0)) ** 2)
+    expected = np.cov(NEUTRALS.T, bias=True) + floor
+    assert whole == pytest.approx(expected, abs=1e-6)
+
+
+def test_densities_are_normal_and_numbers_are_counted():
+    """The information criterion: numbers ln n - 2 ln L, of 6 k - 1 numbers."""
+    points, weights = drawn([DAY, LAMPS], 40), np.array([0.6, 0.4])
+    means, covariances = (np.array([part[n] for part in (DAY, LAMPS)]) for n in (1, 2))
+    found = log_densities(points, weights, means, covariances)
+    for k in range(2):
+        law = multivariate_normal(means[k], covariances[k])
+        expected = np.log(weights[k]) + law.logpdf(points)
+        assert found[:, k] == pytest.approx(expected, abs=1e-9)
+    fit = (-12.5, weights, means, covariances)
+    assert criterion(points, fit) == pytest.approx(11 * np.log(40) + 25)
+
+
+def test_three_neutrals_have_one_gaussian():
+    (one,) = mixture_of(np.array([[0.5, 0.6], [0.6, 0.5], [0.7, 0.7]]))
+    assert one["weight"] == 1 and one["mean"] == [0.6, 0.6]
 
 
 def test_the_same_neutrals_give_the_same_numbers():
