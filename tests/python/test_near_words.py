@@ -21,7 +21,13 @@ LIGHTS = {
     "d56": "D55 or D65",  # the nearest number, and its digits the other way round
     "D60": "D55 or D65",
     "D6500": "D65",
+    "d57": "D55 or D75",
+    "1667": "1667K",
+    "25000": "25000K",
     "tungsten": "A",
+    "Flash": "D55",
+    "cloudy": "D65",
+    "shade": "D75",
     "fl 2": "FL2",
     "LED B3": "LED-B3",
     "sampl:3": "sample:3",
@@ -46,7 +52,9 @@ def test_a_light_that_was_meant(word):
     )
 
 
-@pytest.mark.parametrize("word", ["moon", "E", "700", "FLX", "as-shot:1:2", ""])
+@pytest.mark.parametrize(
+    "word", ["moon", "E", "1666.9", "25000.1", "FLX", "as-shot:1:2", ""]
+)
 def test_a_light_like_no_other_is_told_the_grammar(word):
     with pytest.raises(ValueError) as found:
         cg2raw.Sensor("nikon-d40").illuminant(word)
