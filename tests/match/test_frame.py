@@ -2,12 +2,15 @@
 # Copyright Contributors to the cg2raw Project.
 """What a frame looks like, of frames that are known."""
 
+import json
+
 import numpy as np
 import pytest
 
 from cg2raw import Sensor
 from cg2raw.match.frame import binned, colours, details, neutral_of_all, thumbnail
 from cg2raw.match.renders import Model, simulated
+from dng import dng_files
 from match.match_sets import scene, toned
 from oracles import cameras
 
@@ -187,3 +190,43 @@ def test_noise_is_that_of_the_root_of_the_signal():
     assert 0.85 * 0.01 < noise < 0.01
     _, noise = details(plane_of(1.01 + root, sensor), sensor)
     assert np.isnan(noise)
+
+
+@pytest.mark.parametrize(
+    ("shape", "known"),
+    [((16, 162), True), ((16, 161), False), ((15, 700), False), ((64, 17), False)],
+)
+def test_noise_is_known_of_ten_cells_or_more(shape, known):
+    """Of 16 samples a side, beside a sample on the left and on the right."""
+    sensor, rng = Sensor("canon-700d"), np.random.default_rng(9)
+    root = 0.5 + 0.01 * rng.standard_normal(shape)
+    assert np.isfinite(details(plane_of(root, sensor), sensor)).all() == known
+
+
+@pytest.mark.parametrize("cfa", ["rggb", "grbg"])
+def test_each_site_has_its_own_black_level(cfa):
+    """In shares of the range from there to white, a frame is the same."""
+    fields = dng_files.fields_of("canon-700d") | {"cfa": cfa}
+    sensors = [
+        Sensor.from_json(json.dumps(fields | {"black_level": black}))
+        for black in ([2048] * 4, [1500, 2000, 2500, 3000])
+    ]
+    rng = np.random.default_rng(10)
+    share = rng.uniform(0.1, 0.8, (64, 400)) ** 2
+    found, seen = [], []
+    for sensor in sensors:
+        black = np.tile(np.reshape(sensor.black_level, (2, 2)), (32, 200))
+        dn = np.rint(black + share * (sensor.white_level - black)).astype(np.uint16)
+        found.append(details(dn, sensor))
+        seen.append((neutral_of_all(dn, sensor), binned(dn, sensor).means))
+    assert found[0] == pytest.approx(found[1], rel=2e-3)  # DN are whole
+    assert seen[0][0] == pytest.approx(seen[1][0], rel=1e-3)
+    assert seen[0][1] == pytest.approx(seen[1][1], abs=2e-4)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_frame_that_is_black_or_white_is_taken_for_grey():
+    sensor = Sensor("canon-700d")
+    black = np.full((64, 64), sensor.black_level[0], np.uint16)
+    for plane in (black, black - 5, np.full_like(black, sensor.white_level)):
+        assert neutral_of_all(plane, sensor) == (1, 1, 1)

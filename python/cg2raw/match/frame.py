@@ -143,8 +143,9 @@ def floor_of(sensor: Sensor) -> float:
 def neutral_of_all(plane: RawImage, sensor: Sensor) -> tuple[float, float, float]:
     """Return (R/G, 1, B/G) of the mean of what is not clipped: the grey world."""
     bins = binned(plane, sensor)
-    mean = bins.means[bins.white <= CLIPPED_BIN].mean(0)
-    if not (np.isfinite(mean).all() and (mean > 0).all()):
+    known = bins.means[bins.white <= CLIPPED_BIN]
+    mean = known.mean(0) if len(known) else np.zeros(3)
+    if not (mean > 0).all():
         return 1.0, 1.0, 1.0
     return float(mean[0] / mean[1]), 1.0, float(mean[2] / mean[1])
 
