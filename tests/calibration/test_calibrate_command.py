@@ -3,6 +3,7 @@
 """cg2raw calibrate: from files to a profile and a page."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from cg2raw import write_dng
 from cg2raw.calibration import UniformFrame
 from cg2raw.cli._frame_table import read_frame_table
 from cg2raw.cli._uniform_frames import Said, files_in, kind_of, uniform_frame
+from cg2raw.cli.calibrate import gain_notes
 from cg2raw.io.raw_header import Area, RawFile, RawHeader
 from cg2raw.statistics.kept import Kept
 from python.commands import fails, run
@@ -195,6 +197,24 @@ def test_a_file_says_before_its_table_and_that_before_the_command_line():
     assert said == (2.0, 200, 20.0, "flat")
     found = uniform_frame(file, sensor_of(), table, Said(kind="dark"), Kept())
     assert found.kind == "dark"
+
+
+@pytest.mark.parametrize(
+    ("stated", "measured", "is_said"),
+    [(None, 2.0, False), (2.0, None, False), (2.09, 2.0, False), (1.89, 2.0, True)],
+)
+def test_a_gain_of_headers_is_compared_with_the_measured_one(stated, measured, is_said):
+    area = Area("active", 0, 0, 4, 4)
+    headers = [
+        RawHeader("a.fits", area),
+        RawHeader("b.fits", area, electrons_per_dn=stated),
+    ]
+    gain = measured and SimpleNamespace(value=measured)
+    found = SimpleNamespace(figure=lambda name: gain)
+    assert gain_notes(headers, found) == is_said * [
+        "gain: headers say 1.89 electrons per DN (b.fits the first), the frames 2: "
+        "what was measured is used"
+    ]
 
 
 def test_a_table_says_what_files_do_not(tmp_path):

@@ -80,8 +80,10 @@ def test_a_tone_that_differs_is_said_with_what_it_does_to_the_exposure():
     [note] = tone_note(frames(-3.0, contrast=3.0), RENDERS)
     assert "contrast of captures is 1.50 times that of renders" in note
     assert note.endswith(f"{0.5 * (5 + GREY):+.2f} stops more")
-    for contrast in (2.15, 1.86, np.nan):  # a tenth; not known
+    for contrast in (2.15, 1.86, 0.0, np.nan):  # a tenth; not known
         assert tone_note(frames(-3.0, contrast=contrast), RENDERS) == []
+    [note] = tone_note(frames(-3.0, contrast=0.4), frames(-5.0, contrast=0.8))
+    assert "contrast of captures is 0.50 times that of renders" in note
 
 
 @pytest.mark.parametrize(("spread", "is_said"), [(1.5, True), (1.7, False)])

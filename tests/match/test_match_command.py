@@ -139,7 +139,8 @@ def test_a_match_on_stdout_and_quiet(folders):
 def test_links_to_folders_lead_to_each_frame_once(tmp_path):
     inside = tmp_path / "inside"
     inside.mkdir()
-    (inside / "one.dng").write_bytes(b"")
+    for name in ("one.dng", ".hidden.dng"):
+        (inside / name).write_bytes(b"")
     (inside / "round").symlink_to(tmp_path)
     (tmp_path / "again").symlink_to(inside)
     assert captures_in([str(tmp_path)]) == [str(tmp_path / "again/one.dng")]

@@ -57,3 +57,6 @@ def test_renders_of_another_level_that_look_alike_do_so_by_chance(level, share):
     renders = [*map(frame, some), frame(some[0], level), frame(some[1], level)]
     renders += [frame(one) for one in thumbnails(2, 3)]
     assert chance(ranks(renders), renders) == share
+    captures = [frame(one) for one in some]
+    sure = [] if share else list(enumerate(range(4)))
+    assert pairs(captures, renders) == sure  # else they are of no scene for sure

@@ -471,6 +471,20 @@ def test_command_writes_a_set_that_readers_take(tmp_path):
         assert (done.code, done.err, bool(done.out)) == (0, "", is_said)
 
 
+@pytest.mark.parametrize("studio", [True, False])
+def test_captures_of_a_studio_say_what_may_be_off(studio):
+    files = synthetic_captures.Synthesis(
+        "canon-70d", "prnu", 1, "64x48", "D65", None, None, None, studio
+    ).folder()
+    name, text = next(iter(files.items()))
+    assert name == "captures.yaml"
+    for line in (
+        b"nuisance: [exposure, light, radiance, registration]\n",
+        b"uncertainty: {light: 0.005, radiance: 0.01}\n",
+    ):
+        assert (line in text) == studio
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
