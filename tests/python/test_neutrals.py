@@ -26,6 +26,12 @@ def test_tables_that_are_read(tmp_path, text):
     assert read_neutrals(path) == EXPECTED
 
 
+def test_bounds_of_neutrals_are_legal(tmp_path):
+    path = tmp_path / "grey.csv"
+    path.write_text("r/g,b/g\n.01,100\n100,.01\n1,1\n")
+    assert read_neutrals(path) == [[0.01, 100], [100, 0.01], [1, 1]]
+
+
 BAD = {
     "": "is empty; its header must be r,g,b",
     "# only words\n": "is empty",
@@ -39,7 +45,8 @@ BAD = {
     "r,g,b\n1,1,inf\n": 'b is "inf"',
     "r,g,b\n1,1\n": ":2: has 2 cells, and line 1 has 3 (r, g, b)",
     "r/g,b/g\n1,hello\n": ':2: b/g is "hello"',
-    "r/g,b/g\n1,1e3\n": ":2: b/g 1000 must be 0.01 to 100",
+    "r/g,b/g\n1,100.1\n": ":2: b/g 100.1 must be 0.01 to 100",
+    "r,g,b\n.009,1,1\n": ":2: r/g 0.009 must be 0.01 to 100; black must be removed",
     "r,g,b\n1,1,1\n2,1,1\n": "holds 2 distinct neutrals",
     "r,g,b\n1,1,1\n2,2,2\n1,1,1\n": "holds 1 distinct neutrals",
     "r,g,b\n": "holds 0 distinct neutrals",

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import cg2raw
+from cg2raw.profile.noise_option import noise_row
 from python.commands import fails, run, write_dng
 
 LIGHTS = ("A", "3500K", "D50", "neutral:0.6:0.5")
@@ -132,6 +133,19 @@ def test_noise_by_hand_replaces_the_rows_of_its_iso(tmp_path):
     assert not any("NoiseProfile" in text for text in read(out)["sources"].values())
 
 
+@pytest.mark.parametrize(
+    ("word", "cfa", "row"),
+    [
+        ("0.5:1,0", "RGGB", (0.5, [1] * 4, [0] * 4)),
+        ("1e7:0,1", "MONO", (1e7, [0], [1])),
+        ("9:1,.2,.3,.4,.5,.6", "GBRG", (9, [0.3, 0.5, 1, 0.3], [0.4, 0.6, 0.2, 0.4])),
+    ],
+)
+def test_bounds_of_noise_are_legal(word, cfa, row):
+    found = noise_row(word, cfa)
+    assert (found["iso"], found["beta1"], found["beta2"]) == row
+
+
 BAD_NOISE = {
     "100": "0 numbers|is no number",
     "100:1e-3": "1 numbers",
@@ -139,7 +153,8 @@ BAD_NOISE = {
     "100:2,0": "2 must be within 0 to 1",
     "100:-1e-3,0": "must be within 0 to 1",
     "0:1e-3,0": "iso 0 must be above 0",
-    "1e9:1e-3,0": "up to 1e+07",
+    "10000001:1e-3,0": "up to 1e+07",
+    "100:0,1.001": "1.001 must be within 0 to 1",
     "nan:1e-3,0": "'nan' is no number",
     "100:1e-3,x": "'x' is no number",
 }

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import cg2raw
+from cg2raw.profile.lamps import calibration_illuminant, lamp_name
 from cg2raw.profile.spectral import profile_from_ssf
 from python.commands import fails, run, write_dng
 
@@ -118,6 +119,43 @@ def test_a_lamp_of_a_file_is_called_like_it(ssf, tmp_path):
     twin.write_text(lamp.read_text())
     line = fails("profile", "--ssf", ssf, *options(), *names, "--illuminant-spd", twin)
     assert "would both be called My-Lamp" in line
+
+
+@pytest.mark.parametrize(
+    ("kelvin", "words"),
+    [
+        ((5700, 7100), "daylight fluorescent"),
+        ((4600, 5500), "day white fluorescent"),
+        ((3800, 4500), "cool white fluorescent"),
+        ((3250, 3800), "white fluorescent"),
+    ],
+)
+def test_a_lamp_is_the_light_source_that_exif_has_for_its_temperature(kelvin, words):
+    """Exif 2.32, LightSource 12 to 15; CIE 015:2018, table 10.1."""
+    lamps = {
+        "FL1": 6430, "FL2": 4230, "FL3": 3450, "FL4": 2940, "FL5": 6350, "FL6": 4150,
+        "FL7": 6500, "FL8": 5000, "FL9": 4150, "FL10": 5000, "FL11": 4000, "FL12": 3000,
+    }  # fmt: skip
+    ours = {name for name in lamps if calibration_illuminant(name) == words}
+    assert ours == {name for name, t in lamps.items() if kelvin[0] <= t <= kelvin[1]}
+    assert calibration_illuminant("D50") == "D50"
+    assert {calibration_illuminant(name) for name in ("FL12", "HP1", "x.csv")} == {
+        "other"
+    }
+
+
+@pytest.mark.parametrize(
+    ("light", "name"),
+    [
+        ("FL2", "FL2"),
+        ("LED-B3", "LED-B3"),
+        ("lamps/my lamp.csv", "my-lamp"),
+        ("a_b.v2 (new).json", "a_b.v2-new"),
+        ("./FL2", "FL2"),
+    ],
+)
+def test_a_lamp_is_called_by_its_word_or_its_file(light, name):
+    assert lamp_name(light) == name
 
 
 BAD = [
