@@ -56,6 +56,65 @@ def test_the_phase_is_that_of_the_visible_corner(top, left, side):
     assert libraw.corner_of(raw) == corner.ravel().tolist()
 
 
+def sizes(top, left, height, width, raw_height, raw_width):
+    return SimpleNamespace(
+        top_margin=top, left_margin=left, height=height, width=width,
+        raw_height=raw_height, raw_width=raw_width,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("stored", "side", "expected"),
+    [
+        (
+            sizes(51, 152, 3456, 5184, 3516, 5344),  # as a Canon's, with two borders
+            2,
+            [("left", 51, 8, 3456, 140), ("top", 9, 152, 38, 5184)],
+        ),
+        (
+            sizes(20, 30, 60, 90, 120, 160),
+            6,
+            [
+                ("left", 20, 12, 60, 12),
+                ("right", 20, 126, 60, 24),
+                ("bottom", 86, 30, 24, 90),
+            ],
+        ),
+        (sizes(0, 20, 40, 60, 40, 80), 2, [("left", 0, 8, 40, 8)]),
+        (sizes(19, 19, 40, 60, 59, 79), 2, []),
+        (sizes(0, 0, 40, 60, 40, 60), 2, []),
+    ],
+)
+def test_borders_keep_4_pixels_from_the_picture_and_8_from_the_edge(
+    stored, side, expected
+):
+    """They begin at a repeat of the CFA from the picture's corner, and are whole
+    repeats, 8 pixels or more; by hand."""
+    active, borders = libraw.areas_of(stored, side)
+    picture = stored.top_margin, stored.left_margin, stored.height, stored.width
+    assert active == Area("active", *picture)
+    assert list(borders) == [Area(*one) for one in expected]
+
+
+@pytest.mark.parametrize("read", [libraw.dng, libraw.camera_raw])
+def test_a_header_says_what_frames_of_one_setting_share(tmp_path, read):
+    path, sensor = str(tmp_path / "a.dng"), cg2raw.Sensor("samsung-s20fe")
+    raw = sensor.simulate(np.zeros((40, 64, 3)), illuminant="A", iso=400)
+    for shot, seconds in (({"exposure_time": 0.25}, 0.25), ({}, None)):
+        cg2raw.write_dng(path, raw, shot=shot)
+        [file] = read(path)
+        header = file.header
+        assert (header.make, header.model) == (sensor.make, sensor.model)
+        assert (header.bits, header.white_level, header.cfa) == (10, 1023, "GRBG")
+        assert (header.iso, header.exposure_time) == (400, seconds)
+        assert dict(header.settings) == {
+            "make": sensor.make,
+            "model": sensor.model,
+            "white level": "1023 DN",
+        }
+        np.testing.assert_array_equal(file.mosaic(), raw)
+
+
 def example(**changes):
     """Return the header of a camera that does not exist."""
     file = RawHeader(
@@ -106,6 +165,7 @@ def test_files_of_two_cameras_or_modes_are_refused(change):
 GAINS = {
     (2.0, 1.0, 1.6, 1.0): (0.5, 1.0, 0.625),
     (512.0, 256.0, 320.0, 0.0): (0.5, 1.0, 0.8),
+    (3.0, 1.0, 7.0, 1.0): (0.333333, 1.0, 0.142857),  # as a DNG has them
     (1.0, 1.0, 1.0, 1.0): None,
     (0.0, 0.0, 0.0, 0.0): None,
     (2.0, 1.0, -1.0, 1.0): None,
