@@ -17,6 +17,14 @@ OPTIONS = (
     "--sensors nikon-d40,samsung-s20fe --illuminants 2 --digital-gain 1,0.8".split()
 )
 FILES = 8
+# Of a Plan, besides sensors.
+FIELDS = {
+    **{"illuminants": ("D65",), "digital_gains": (1.0,), "isos": (None,)},
+    **{"noise": None, "exposure_time": None, "white_luminance": None},
+    **{"convention": "dng", "method": "graphics2raw", "seed": 0},
+    **{"format": "dng", "element_type": "float32", "compression": "ljpeg"},
+    **{"crop": None, "patches": 1, "layer": None, "frame_from": "name"},
+}
 CENTRES = np.arange(400.0, 701.0, 20.0)  # nm, of spectral images
 
 

@@ -11,7 +11,7 @@ import cg2raw
 from cg2raw.cli.dataset import bytes_words
 from cg2raw.dataset.job import plan_at
 from cg2raw.dataset.options import difference, make_plan
-from dataset.data_sets import scene, write_image
+from dataset.data_sets import FIELDS, scene, write_image
 from oracles import cameras
 from python.commands import fails, run
 
@@ -112,15 +112,6 @@ def test_images_that_differ_by_case_need_a_disk_that_tells_them(tmp_path, monkey
     assert not module.folds_case(tmp_path / "out")
     (tmp_path / "out/.CG2RAW").symlink_to(".cg2raw")  # as a disk that folds has it
     assert module.folds_case(tmp_path / "out")
-
-
-FIELDS = {
-    **{"illuminants": ("D65",), "digital_gains": (1.0,), "isos": (None,)},
-    **{"noise": None, "exposure_time": None, "white_luminance": None},
-    **{"convention": "dng", "method": "graphics2raw", "seed": 0},
-    **{"format": "dng", "element_type": "float32", "compression": "ljpeg"},
-    **{"crop": None, "patches": 1, "layer": None, "frame_from": "name"},
-}
 
 
 @pytest.mark.parametrize(
