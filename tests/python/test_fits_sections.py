@@ -9,6 +9,7 @@ import pytest
 
 import cg2raw
 from cg2raw.io import fits_file
+from cg2raw.io.fits_sections import binning_of
 
 fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
 
@@ -227,6 +228,15 @@ def test_amplifiers_that_do_not_fit_are_refused(tmp_path, more, words):
     path = amplifiers(tmp_path / "a.fits", 2, 1, **more)
     with pytest.raises(ValueError, match=f"a.fits: {words}"):
         fits_file.frames(str(path), "all")
+
+
+def test_a_pixel_is_the_sum_of_columns_and_of_rows():
+    """CCDSUM has those along x, columns, first."""
+    assert binning_of("a.fits", {"CCDSUM": " 2  13 "}) == (2, 13)
+    assert binning_of("a.fits", {}) == (1, 1)
+    for text in ("2", "0 2", "2 2 2", "2x2", ""):
+        with pytest.raises(ValueError, match=f"a.fits: CCDSUM is {text}; must be two"):
+            binning_of("a.fits", {"CCDSUM": text})
 
 
 def test_amplifiers_have_as_many_frames_each(tmp_path):
