@@ -157,6 +157,12 @@ def test_settings_are_what_changes_the_numbers_of_a_frame(tmp_path):
     assert (header.iso, header.depth, header.model) == (800, 12, "QHY268M")
 
 
+def test_bounds_of_a_header_are_legal(tmp_path):
+    header = {"BITDEPTH": 1, "EXPTIME": 0, "CCD_TEMP": -273.15}
+    found = header_of(write(tmp_path / "a.fits", **header))
+    assert (found.depth, found.exposure_time, found.temperature) == (1, 0, -273.15)
+
+
 def test_scaled_integers_are_those_they_mean(tmp_path):
     image = fits.PrimaryHDU((DN % 200).astype(np.float32) * 4 + 100)
     image.scale("int16", bscale=4, bzero=100)
@@ -230,6 +236,8 @@ def test_the_top_row_comes_first(tmp_path, order, cfa):
         (DN, {"PEDESTAL": 9}, "column 0: -9 without its PEDESTAL of 9 DN; must"),
         (DN, {"EXPTIME": -1.0}, "EXPTIME is -1.0; must be a number, at least 0"),
         (DN, {"EXPTIME": "long"}, "EXPTIME is 'long'; must be a number, at least 0"),
+        (DN, {"BITDEPTH": 0}, "BITDEPTH is 0; must be a number, at least 1"),
+        (DN, {"ISOSPEED": "high"}, "ISOSPEED is 'high'; must be a number"),
         (DN, {"CCD_TEMP": -300.0}, "CCD-TEMP is -300.0; must be a number, at least -2"),
         (DN, {"ROWORDER": "left"}, 'ROWORDER is "LEFT"; must be TOP-DOWN or BOTTOM-UP'),
     ],

@@ -34,9 +34,7 @@ LIGHTS = {"hull": [], "count": 2}
         ({"effects": [{"name": "prnu"}]}, ["lens shading (GainMap): corners are as"]),
         (
             {"illuminants": LIGHTS},
-            [
-                "3 neutrals that span an area (there are 2): sample:n is drawn along"
-            ],
+            ["3 neutrals that span an area (there are 2): sample:n is drawn along"],
         ),
         (
             {"illuminants": LIGHTS, "calibrations": [MATRIX]},
