@@ -3,16 +3,27 @@
 """RAW frames and their sensor: what does not belong together is refused or said."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import cg2raw
-from cg2raw.io.raw_checks import check_alike, check_sensor, first_unlike, together
+from cg2raw.io.raw_checks import (
+    check_alike,
+    check_levels,
+    check_sensor,
+    first_unlike,
+    together,
+)
 from cg2raw.io.raw_file import open_raw
 from cg2raw.io.raw_header import Area, RawFile, RawHeader
 from python.commands import write_dng
 
+# What is asked of a Sensor.
+MADE = SimpleNamespace(
+    id="made", cfa="BGGR", bits=12, black_level=[95.0] * 4, white_level=4095
+)
 SHAPE = (40, 64)  # LibRaw opens no smaller file than 22 x 22
 
 
@@ -50,6 +61,48 @@ def test_another_size_than_the_sensor_s_is_said():
     assert check_sensor(dataclasses.replace(header("a"), active=size), sensor) == []
     [note] = check_sensor(header("a"), sensor)
     assert note.startswith(f"is 6x4, the active area of nikon-d40 is {sensor.width}x")
+
+
+def levels(black, white, **fields):
+    fields |= {"black_level": (black - 2.0, black + 2.0), "white_level": white}
+    return dataclasses.replace(header("a"), **fields)
+
+
+@pytest.mark.parametrize(
+    ("stated", "note"),
+    [
+        (header("a"), ""),
+        (dataclasses.replace(header("a"), white_level=9), ""),  # tells no scale
+        (levels(95, 4095, cfa="BGGR", bits=12), ""),
+        (levels(174, 4095), "tags say black level 174 DN, made 95 DN; the profile's "),
+        (
+            levels(95, 3896),
+            "tags say white level 3896 DN, made 4095 DN; the profile's",
+        ),
+    ],
+)
+def test_levels_that_are_a_little_other_are_said(stated, note):
+    """Up to 2 % of 4000 DN, the range, for black, and 5 % for white."""
+    found = check_levels(stated, MADE)
+    assert len(found) == bool(note)
+    assert not note or found[0].startswith(note)
+
+
+@pytest.mark.parametrize(
+    ("stated", "words"),
+    [
+        (levels(95, 4095, cfa="RGGB"), "a: its CFA is RGGB, that of made BGGR; give "),
+        (levels(95, 4095, bits=14), "a: its bit depth is 14, that of made 12; give"),
+        (
+            levels(176, 4095),
+            "level 176 DN, made 95 DN; they differ by more than 2% of",
+        ),
+        (levels(95, 3894), "level 3894 DN, made 4095 DN; they differ by more than 5%"),
+    ],
+)
+def test_another_mosaic_or_scale_is_refused(stated, words):
+    with pytest.raises(ValueError, match=words):
+        check_levels(stated, MADE)
 
 
 def test_an_area_is_that_of_the_file_which_stays_as_it_is():

@@ -272,3 +272,18 @@ def test_colour_matrices_are_numbered_as_the_fields_of_a_profile():
         assert re.search(rf"calibration_illuminant_{number} +{light}\b", shown)
         assert f"color_matrix_{number} " in shown
     assert "_3" not in shown
+    one = {"light_source": "A", "camera_from_xyz": np.eye(3) / 3}
+    forward = [[0.6, 0.2, 0.1642], [0.3, 0.7, 0.0], [0.0, 0.1, 0.7251]]
+    identity = "0.3333 0.0000 0.0000 / 0.0000 0.3333 0.0000 / 0.0000 0.0000 0.3333"
+    assert sensor_text.calibration_fields(
+        [one | {"xyz_d50_from_camera": forward}, one | {"xyz_d50_from_camera": None}]
+    ) == [
+        ("calibration_illuminant_1", "A"),
+        ("color_matrix_1", identity),
+        (
+            "forward_matrix_1",
+            "0.6000 0.2000 0.1642 / 0.3000 0.7000 0.0000 / 0.0000 0.1000 0.7251",
+        ),
+        ("calibration_illuminant_2", "A"),
+        ("color_matrix_2", identity),
+    ]
