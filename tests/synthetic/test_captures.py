@@ -240,6 +240,32 @@ def test_densities_of_few_levels_add_up_to_one(camera):
         assert total == pytest.approx(1, abs=2e-3)
 
 
+@pytest.mark.parametrize(
+    "noise",
+    [
+        Noise(excess=1.7),
+        Noise(excess=1.7, poisson=True),
+        Noise(well=25 / 5000),
+        Noise(well=60 / 5000, weights=(0.9, 0.1), variances=(0.6, 4.6)),
+        Noise(row=3.0),
+        Noise(row=3.0, poisson=True),
+    ],
+    ids=str,
+)
+def test_densities_of_other_noise_add_up_to_one_too(noise):
+    """Each pixel is a row of its own, whose offset is unknown; a full well may be near
+    30 electrons. Levels far below black are unlikely, and no more."""
+    camera = camera_of(with_noise(drawn_sensor(3), 5000, 2.0, ISO), "D65", ISO)
+    gain, black = camera.dn_per_electron[0, 0], camera.black[0, 0]
+    dn = np.arange(int(-90 * gain), int(90 * gain))
+    levels = (black + dn).astype(np.uint16)[:, None]
+    foot = camera.over(camera.black, levels.shape)
+    charges = np.full(levels.shape, 30.0)
+    found = log_density(levels, charges, foot, noise, camera)
+    assert np.exp(found).sum() == pytest.approx(1, abs=2e-3)
+    assert found.max() < -1 and (np.diff(found[:, 0], axis=0)[: len(dn) // 2] > 0).all()
+
+
 def test_densities_of_many_photons_add_up_to_one_too(camera):
     """Beyond what is summed one by one; the third term of the saddle point is 1 / 12 of
     a photon's share, 5e-4 here."""

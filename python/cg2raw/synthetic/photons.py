@@ -49,12 +49,12 @@ def photon_density(
 def _sum(seen: Plane, n: Plane, variance: Plane, stretch: float) -> Plane:
     """Sum over all numbers that could have been read so; electrons, (pixels,)."""
     reach = np.ceil(7 * np.sqrt(variance.max()) / stretch + 2)
-    centre = np.round(n + (seen - n) / stretch)
+    centre = np.maximum(np.round(n + (seen - n) / stretch), reach)  # from 0 on
     k = centre[:, None] + np.arange(-reach, reach + 1)
     n, seen, variance = n[:, None], seen[:, None], variance[:, None]
-    log_p = k * np.log(n) - n - gammaln(np.maximum(k, 0) + 1)
+    log_p = k * np.log(n) - n - gammaln(k + 1)
     log_p += normal(seen - n - stretch * (k - n), variance)
-    total: Plane = logsumexp(np.where(k < 0, -1e5, log_p), axis=1)
+    total: Plane = logsumexp(log_p, axis=1)
     return total
 
 
