@@ -28,7 +28,10 @@ LIGHTS = {
     "Flash": "D55",
     "cloudy": "D65",
     "shade": "D75",
+    "fl 1": "FL1",
     "fl 2": "FL2",
+    "FL_12": "FL12",
+    "hp 5": "HP5",
     "LED B3": "LED-B3",
     "sampl:3": "sample:3",
     "smpl:0": "sample:0",
@@ -39,6 +42,7 @@ SENSORS = {
     "nikon-d41": "nikon-d40",
     "a57": "sony-a57",
     "sony": "sony-a57 or sony-a7s-ii",
+    "canno": "canon-1ds-mark-iii, canon-5d or canon-5d-mark-iv",  # a word of the id
 }
 
 
@@ -186,4 +190,6 @@ def test_a_long_message_keeps_its_start_and_its_end(letter):
     assert start.startswith("scene?.exr: " + letter) and end.endswith(" is unknown")
     assert {*start[12:], *end.removesuffix(" is unknown")} == {letter}
     assert 1480 < len(f"{start}{end}".encode()) <= 1500
+    whole = letter * (1500 // len(letter.encode()))  # bytes
+    assert near_words.one_line(whole) == whole != near_words.one_line(whole + letter)
     assert near_words.one_line(message[:300]) == message[:300].replace("\n", "?")
