@@ -13,7 +13,8 @@ from rich.console import Console
 import cg2raw
 from cg2raw.cli import main
 from cg2raw.profile import sensor_table, sensor_text
-from cg2raw.profile.summary import iso_words, kelvin_words, noise_of
+from cg2raw.profile.neutral_mixture import without_neutrals
+from cg2raw.profile.summary import illuminants_of, iso_words, kelvin_words, noise_of
 from dng import dng_files
 from python.commands import fails, run
 
@@ -148,6 +149,18 @@ def test_broken_profiles_are_named_after_the_rest(shelf):
     errors = json.loads(found.out)["errors"]
     assert [error["id"] for error in errors] == ["broken", "worse"]
     assert found.code == 1
+
+
+def test_temperatures_are_those_of_the_hull_where_no_neutrals_are_listed():
+    sensor = cg2raw.Sensor("samsung-s20fe")
+    lights = without_neutrals(sensor.illuminants)
+    found = illuminants_of(
+        dng_files.sensor("samsung-s20fe", illuminants=lights).profile
+    )
+    ends = [sensor.illuminant(f"neutral:{r}:{b}").cct for r, b in lights["hull"]]
+    assert (found["count"], found["cct"]) == (0, [min(ends), max(ends)])
+    assert found["mean"] == list(lights["mean"]) and found["hull"] == lights["hull"]
+    assert np.square(found["sd"]) == pytest.approx(np.diag(lights["covariance"]))
 
 
 WORDS = {

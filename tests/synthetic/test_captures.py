@@ -266,6 +266,33 @@ def test_densities_of_other_noise_add_up_to_one_too(noise):
     assert found.max() < -1 and (np.diff(found[:, 0], axis=0)[: len(dn) // 2] > 0).all()
 
 
+@pytest.mark.parametrize(
+    "noise",
+    [Noise(correlation=0.4), Noise(row=2.0, correlation=0.4)],
+    ids=str,
+)
+def test_densities_of_two_pixels_of_a_row_add_up_to_one(noise):
+    """And are those of a normal pair: their levels vary together as their noise does,
+    a row's offset by its range squared over 12."""
+    camera = camera_of(with_noise(drawn_sensor(3), 5000, 1.5, ISO), "D65", ISO)
+    black = camera.black[0, 0]
+    read = camera.dn_per_electron[0, 0] * camera.read_noise[0, 0]
+    reach = np.arange(-np.ceil(8 * read + 3), np.ceil(8 * read + 3) + 1)
+    pairs = np.stack(np.meshgrid(reach, reach), -1).reshape(-1, 2)
+    pairs = pairs[: len(pairs) // 2 * 2]
+    foot = camera.over(camera.black, pairs.shape)
+    levels = (black + pairs).astype(np.uint16)
+    found = log_density(levels, np.zeros(pairs.shape), foot, noise, camera)
+    weights = np.exp(found.astype(float).sum(1))
+    assert weights.sum() == pytest.approx(1, abs=2e-3)
+    offset = (2 * noise.row * read) ** 2 / 12
+    together = weights @ (pairs[:, 0] * pairs[:, 1])
+    assert together == pytest.approx(noise.correlation * read**2 + offset, rel=0.03)
+    assert weights @ pairs[:, 0] ** 2 == pytest.approx(
+        read**2 + offset + 1 / 12, rel=0.03
+    )
+
+
 def test_densities_of_many_photons_add_up_to_one_too(camera):
     """Beyond what is summed one by one; the third term of the saddle point is 1 / 12 of
     a photon's share, 5e-4 here."""
