@@ -433,6 +433,118 @@ def test_what_no_camera_has_is_refused(sensor):
         assert noise["beta2"] == pytest.approx([1 / 400] * 4)
 
 
+def test_a_lit_pixel_shines_on_its_neighbours(camera):
+    """Each keeps what the others do not take; from_left is what comes from there."""
+    shares = {"left": 0.01, "right": 0.02, "above": 0.03, "below": 0.04}
+    rgb = np.zeros((8, 10, 3))
+    rgb[4, 5] = 1
+    values = {f"from_{side}": share for side, share in shares.items()}
+    found = charge.mosaic_light(rgb, {"crosstalk": values}, camera, 0.0)
+    assert found[3:6, 4:7] == pytest.approx(
+        np.array([[0, 0.04, 0], [0.02, 0.9, 0.01], [0, 0.03, 0]])
+    )
+    assert found.sum() == pytest.approx(1)
+
+
+def test_lines_and_halves_of_a_sensor(camera):
+    rgb = np.random.default_rng(1).random((8, 10, 3))
+    plain = charge.mosaic_light(rgb, {}, camera, 0.0)
+
+    def seen(**hidden):
+        return charge.mosaic_light(rgb, hidden, camera, 0.0)
+
+    assert seen(smear={"share": 0.1}) == pytest.approx(plain + 0.1 * plain.mean(0))
+    for across, halves in ((True, (slice(None), slice(5))), (False, (slice(4),))):
+        values = {"gain": 0.02, "one_above_the_other": not across}
+        ratio = seen(amplifier_mismatch=values) / plain
+        first = np.zeros(plain.shape, bool)
+        first[halves] = True
+        assert ratio[first] == pytest.approx(0.99)
+        assert ratio[~first] == pytest.approx(1.01)
+    ratio = seen(gr_gb_imbalance={"split": 0.03, "lean": 0.25}) / plain
+    red = [row for row in range(2) if 0 in camera.colors[row]][0]
+    greens = camera.colors == 1
+    in_red, in_blue = (
+        ratio[row::2][:, greens[row].argmax() :: 2] for row in (red, 1 - red)
+    )
+    assert in_red == pytest.approx(1 + 0.25 * 0.03)
+    assert in_blue == pytest.approx(1 - 0.75 * 0.03)
+    assert ratio[red::2][:, camera.colors[red].argmin() :: 2] == pytest.approx(1)
+
+
+def test_a_lamp_on_rectified_mains(camera):
+    """|sin|: its waves are as 1 / (4 n^2 - 1), the first as large as is stated."""
+    rows = 240
+    values = {"rows": 60.0, "swing": 0.3, "exposed": 0.0}
+    rgb = np.ones((rows, 4, 3))
+    hidden = {"mains_flicker": values}
+    light = charge.mosaic_light(rgb, hidden, camera, 0.2)[:, 0]
+    waves = 2 * np.abs(np.fft.rfft(light)) / rows
+    assert waves[0] == pytest.approx(2)  # 1 on average
+    assert waves[[4, 8, 12]] == pytest.approx(0.3 * np.array([1, 3 / 15, 3 / 35]))
+    whole = {"mains_flicker": values | {"exposed": 0.5}}
+    even = 2 * np.abs(np.fft.rfft(charge.mosaic_light(rgb, whole, camera, 0.2)[:, 0]))
+    assert even[4] / rows == pytest.approx(0.3) and even[8] < 1e-9  # two waves long
+
+
+def test_colours_turn_about_grey():
+    still = {"hue": 0.0, "saturation": 0.0, "red_as_green": 0.0}
+    scene = np.array([[0.2, 0.2, 0.2], [0.5, 0.1, 0.3]])
+
+    def seen(**values):
+        return light.recolored(scene, {"color_matrix": still | values})
+
+    for values in ({"hue": 0.3}, {"saturation": 0.5}, {"red_as_green": 0.1}):
+        assert seen(**values)[0] == pytest.approx(scene[0])
+    assert seen() == pytest.approx(scene)
+    assert seen(saturation=-1.0)[1] == pytest.approx(0.3)
+    assert seen(saturation=1.0)[1] == pytest.approx([0.7, -0.1, 0.3])
+    assert seen(hue=2 * np.pi / 3)[1] == pytest.approx([0.3, 0.5, 0.1])
+    assert seen(red_as_green=0.1)[1] == pytest.approx([0.5, 0.13, 0.3])
+    hidden = {
+        "exposure": {"stops": 1.0},
+        "white_balance": {"red_stops": 1.0, "blue_stops": -2.0},
+    }
+    assert light.gained(np.ones(3), hidden) == pytest.approx([4, 2, 0.5])
+
+
+def test_a_lens_moves_mirrors_and_spreads():
+    field = light.Field((41, 61), 12)
+    ramps = np.stack([200 + field.x, 200 + field.y, np.full(field.x.shape, 200)], -1)
+    plain = ramps[field.inner]
+    found = light.through_lens(ramps, {"lens_distortion": {"corner_px": -2.0}}, field)
+    assert found[20, 30] == pytest.approx(plain[20, 30])
+    corner = found[0, 0, :2] - plain[0, 0, :2]  # moved along the radius
+    assert corner == pytest.approx(2 * np.array([30, 20]) / np.hypot(30, 20), abs=0.01)
+    values = {"red_px": 1.5, "blue_px": -1.0, "bend": 0.5}
+    hidden = {"lateral_chromatic_aberration": values}
+    same = np.repeat(200 + field.x[..., None], 3, -1)
+    moved = light.through_lens(same, hidden, field)[20, -1] - same[field.inner][20, -1]
+    ratio = 30 / np.hypot(30, 20)
+    bend = 0.5 * ratio + 0.5 * ratio**3
+    assert moved == pytest.approx([1.5 * bend, 0, -bend], abs=0.01)
+    spot = np.zeros_like(ramps)
+    spot[12 + 5, 12 + 10] = 1
+    ghost = {"ghost_image": {"share": 0.05, "disc_px": 0.01}}
+    found = light.through_lens(spot, ghost, field)
+    assert found[40 - 5, 60 - 10] == pytest.approx(0.05, abs=1e-4)
+    shading = {
+        **{"corner_degrees": 20.0, "red_power": 2.0, "blue_power": -1.0},
+        **{"axis_x": 0.0, "axis_y": 0.0},
+    }
+    cast = light.through_lens(np.ones_like(ramps), {"color_shading": shading}, field)
+    cosine = np.cos(np.radians(20))
+    assert cast[0, 0] == pytest.approx([cosine**2, 1, 1 / cosine])
+
+
+def test_transfer_functions_are_those_of_optics():
+    """A disc's first zero lies at 3.8317 / (2 pi r); an aperture passes 0.391 of half
+    its cutoff, nothing from there on (Goodman, section 6.3)."""
+    f = np.array([0.0, 3.8317 / (2 * np.pi * 2.5), 0.5, 0.4, 0.2])
+    assert light.disc(f, 2.5)[:2] == pytest.approx([1, 0], abs=1e-4)
+    assert light.airy(f, 0.4)[[0, 2, 3, 4]] == pytest.approx([1, 0, 0, 0.391], abs=1e-3)
+
+
 def test_fall_off_is_the_fourth_power_of_the_cosine():
     field = light.Field((101, 101), 0)
     values = {"corner_loss": 0.4, "axis_x": 0.0, "axis_y": 0.0}
