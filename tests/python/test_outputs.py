@@ -2,8 +2,10 @@
 # Copyright Contributors to the cg2raw Project.
 """Where commands write: what each input becomes, and what is refused at once."""
 
+import json
 import re
 import threading
+from types import SimpleNamespace
 
 import pytest
 
@@ -62,6 +64,57 @@ def test_without_a_name_outputs_lie_in_the_current_folder():
 def test_an_output_that_cannot_be_is_refused(inputs, output, words):
     with pytest.raises(ValueError, match=re.escape(words)):
         outputs_of_shot(inputs, output)
+
+
+def test_an_output_is_checked_before_any_work():
+    for path in ("b.json", "raw/b.JSON", "a.dng"):
+        ending = ".dng" if path == "a.dng" else ".json"
+        assert _outputs.check_output("-o", path, ending)
+    for path in (None, "-", "raw"):  # none, stdout, what writing itself refuses
+        assert not _outputs.check_output("-o", path, ".json")
+    for path, words in (
+        ("b.txt", "-o b.txt: must end in .json"),
+        ("no/b.json", "-o no/b.json: there is no folder no"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            _outputs.check_output("-o", path, ".json")
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("form", ["text", "quiet", "json"])
+def test_files_that_fail_are_named_and_the_others_done(capsys, form, workers):
+    def work(path, output):
+        if path == "b.exr":
+            raise ValueError("is black")
+        if path == "c.exr":
+            raise OSError(28, "No space left on device", "raw/c.dng")
+        return {"input": path, "output": output}
+
+    arguments = SimpleNamespace(quiet=form == "quiet", json=form == "json")
+
+    def done(names, faults=()):
+        pairs = [(f"{name}.exr", f"raw/{name}.dng") for name in names]
+        code = _outputs.each_file(
+            *("convert", pairs, work, arguments, "converting"),
+            *(lambda report: f"wrote {report['output']}", faults, workers),
+        )
+        return code, *capsys.readouterr()
+
+    code, out, err = done("abcd", [("e.exr", "e.exr: is missing")])
+    said = ["e.exr: is missing", "b.exr: is black"]
+    said += ["c.exr: raw/c.dng: No space left on device"]
+    lines = [*said, "2 of 4 failed"]
+    assert code == 1 and err.splitlines() == [f"cg2raw convert: {s}" for s in lines]
+    if form == "json":
+        found = json.loads(out)
+        assert [file["output"] for file in found["files"]] == ["raw/a.dng", "raw/d.dng"]
+        assert found["errors"] == [{"input": line[:5], "error": line} for line in said]
+    else:
+        told = ["wrote raw/a.dng", "wrote raw/d.dng"]
+        assert out.splitlines() == told * (form == "text")
+    assert done("a")[0] == 0 and done("b")[0] == 1
+    assert "failed" not in done("b")[2]  # of one file the line itself says so
+    assert done("a", [("e.exr", "e.exr: is missing")])[0] == 1
 
 
 @pytest.mark.parametrize(
