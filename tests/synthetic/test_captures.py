@@ -20,7 +20,7 @@ from cg2raw.synthetic.density import log_density
 from cg2raw.synthetic.measured import Measured
 from cg2raw.synthetic.readout import Noise, blended, read_out
 from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
-from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS, _glow
+from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS, _glow, draw_effect
 from python.commands import run
 
 SHAPE = (48, 64)
@@ -433,6 +433,56 @@ def test_what_no_camera_has_is_refused(sensor):
         assert noise["beta2"] == pytest.approx([1 / 400] * 4)
 
 
+# How large an effect is by its parameters, in the unit of its strength; of the others
+# one parameter is.
+SIZES = {
+    "exposure": lambda v, unit: abs(np.exp2(v["stops"]) - 1),
+    "white_balance": lambda v, unit: np.hypot(
+        np.exp2(v["red_stops"]) - 1, np.exp2(v["blue_stops"]) - 1
+    ),
+    "color_matrix": lambda v, unit: np.linalg.norm(list(v.values())),
+    "lateral_chromatic_aberration": lambda v, unit: np.hypot(v["red_px"], v["blue_px"]),
+    "color_shading": lambda v, unit: (
+        1
+        - np.cos(np.radians(v["corner_degrees"]))
+        ** max(abs(v["red_power"]), abs(v["blue_power"]))
+    ),
+    "crosstalk": lambda v, unit: sum(v.values()),
+    "bias_structure": lambda v, unit: np.hypot(v["right_dn"], v["down_dn"]) / unit,
+}
+NOT_ONE = ("black_level",)  # of which each site has another
+
+
+@pytest.mark.parametrize("name", [*KINDS, *UNKNOWN_KINDS])
+def test_an_effect_is_as_strong_as_is_stated(camera, name):
+    kind = KINDS.get(name) or UNKNOWN_KINDS[name]
+    rng = np.random.default_rng(3)
+    unit = float((camera.dn_per_electron * camera.read_noise).mean())
+    for strength in np.geomspace(kind.low, kind.high, 9):
+        values = draw_effect(name, rng, camera, strength)
+        if name in SIZES:
+            assert SIZES[name](values, unit) == pytest.approx(strength)
+        elif name not in NOT_ONE:
+            assert strength in [pytest.approx(abs(one)) for one in values.values()]
+    drawn = [kind.random_strength(rng) for _ in range(400)]
+    assert kind.low <= min(drawn) <= max(drawn) <= kind.high * (1 + 1e-12)
+    middle = np.log(drawn).mean() - np.log(kind.low * kind.high) / 2
+    width = np.log(kind.high / kind.low)
+    assert abs(middle) <= 4.5 * width / np.sqrt(12 * 400)  # log-uniform
+    for strength in (0.0, -1.0, 10.01 * kind.high, np.nan):
+        with pytest.raises(ValueError, match=rf"of {name} \(.*\) must be above 0 and"):
+            draw_effect(name, rng, camera, strength)
+
+
+def test_former_names_of_effects_are_told_the_new(camera):
+    for name, words in (
+        ("early_clipping", "'early_clipping' is called 'full_well' now"),
+        ("fog", "'fog' is unknown; there are amplifier_glow, "),
+    ):
+        with pytest.raises(ValueError, match=f"hidden effect {words}"):
+            draw_effect(name, np.random.default_rng(0), camera)
+
+
 def test_a_lit_pixel_shines_on_its_neighbours(camera):
     """Each keeps what the others do not take; from_left is what comes from there."""
     shares = {"left": 0.01, "right": 0.02, "above": 0.03, "below": 0.04}
@@ -634,6 +684,21 @@ def test_command_writes_a_set_that_readers_take(tmp_path):
     for option, is_said in (((), True), (("--quiet",), False)):
         done = run(*argv, *option)
         assert (done.code, done.err, bool(done.out)) == (0, "", is_said)
+
+
+def test_a_render_is_off_by_what_is_stated():
+    """Smoothly, rms of a set's render, and by grain, rms of a pixel."""
+    scene = np.full((200, 300, 3), 0.5)
+    for radiance, grain in ((0.01, 0.0), (0.0, 0.005), (0.01, 0.005)):
+        nuisances = {"radiance": radiance, "render_noise": grain}
+        off = (
+            conditions.rendered(np.random.default_rng(1), scene, nuisances) / scene - 1
+        )
+        assert np.ptp(off, axis=2).max() < 1e-6  # of all colours alike
+        off = off[..., 0]
+        assert off.std() == pytest.approx(np.hypot(radiance, grain), rel=0.02)
+        steps = np.diff(off, axis=1).std() / np.sqrt(2)
+        assert steps == pytest.approx(grain, rel=0.02, abs=2e-4)
 
 
 @pytest.mark.parametrize("studio", [True, False])
