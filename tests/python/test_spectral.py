@@ -174,12 +174,46 @@ def test_a_narrow_line_between_steps_is_seen_where_it_is(written):
     assert found == pytest.approx(np.array(at_547) / at_547[1], rel=1e-12)
 
 
+@pytest.mark.parametrize("step", [0.5, 1, 2, 5, 10])
+def test_a_light_of_any_step_is_the_same(written, step):
+    """A straight line stays one; beyond the table its end values hold."""
+    nm = np.arange(400, 701, step)
+    lines = [f"{w},{1 + 0.01 * (w - 400)}" for w in nm]
+    found = illuminant_spectrum(written("\n".join(lines), "line.csv"))
+    inside = (WAVELENGTHS > 400) & (WAVELENGTHS < 700)
+    assert found[inside] == pytest.approx(1 + 0.01 * (WAVELENGTHS[inside] - 400))
+    near = 0.01 * 5  # of averages at the ends, half of which are beyond the table
+    assert found[WAVELENGTHS <= 400] == pytest.approx(1, abs=near)
+    assert found[WAVELENGTHS >= 700] == pytest.approx(4, abs=near)
+
+
+@pytest.mark.parametrize("kelvin", [1000, 3200, 25000])
+def test_a_black_body_has_plancks_law(kelvin):
+    found = illuminant_spectrum(f"{kelvin}K")
+    metres = WAVELENGTHS * 1e-9  # second radiation constant: CIE 015:2018
+    law = metres**-5 / np.expm1(1.4388e-2 / (metres * kelvin))
+    assert found / found[30] == pytest.approx(law / law[30], rel=1e-5)
+
+
+@pytest.mark.parametrize("word", ["D4000K", "D25000K", "d5500k"])
+def test_daylight_has_the_chromaticity_of_its_temperature(word):
+    xy = adobe.chromaticity(matrix_fit.xyz_under(illuminant_spectrum(word)))
+    kelvin = float(word[1:-1])
+    # CIE 015:2018, equations 4.9 and 4.10.
+    if kelvin <= 7000:
+        x = -4.6070e9 / kelvin**3 + 2.9678e6 / kelvin**2 + 99.11 / kelvin + 0.244063
+    else:
+        x = -2.0064e9 / kelvin**3 + 1.9018e6 / kelvin**2 + 247.48 / kelvin + 0.237040
+    assert xy == pytest.approx((x, -3 * x**2 + 2.87 * x - 0.275), abs=3e-4)
+
+
 @pytest.mark.parametrize(
     ("light", "message"),
     [
         ("Z9", "light 'Z9' is unknown; it may be a name"),
-        ("900K", "must be 1000 to 25000 K"),
-        ("D3000K", "must be 4000 to 25000 K"),
+        ("999.9K", "must be 1000 to 25000 K"),
+        ("25000.1K", "must be 1000 to 25000 K"),
+        ("D3999K", "must be 4000 to 25000 K"),
         ("ISO 7589 Sensitometric Printer", "350 to 560 nm must cover"),
         ("./none.csv", "none.csv: No such file"),
     ],
