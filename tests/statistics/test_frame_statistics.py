@@ -16,12 +16,14 @@ from cg2raw.statistics.constant import (
     VERSION,
     ConstantStatistics,
     Copies,
+    DarkRates,
     GroupInfo,
     PlaneStatistics,
     polynomials,
 )
 from cg2raw.statistics.frame_statistics import frame_statistics
 from cg2raw.statistics.kept import Kept
+from cg2raw.statistics.patterns import Lattice, Spots
 from oracles.plain_statistics import plain_statistics
 
 WHITE = 4095
@@ -208,7 +210,12 @@ def test_a_file_has_all_of_it(tmp_path):
     excluded = np.zeros((96, 121), bool)
     excluded[7:9, 3] = True
     groups = groups_of(spoilt(drawn((96, 121), 5)), drawn((96, 121), 1))
-    found = measured(groups, 2, excluded=excluded)
+    found = replace(
+        measured(groups, 2, excluded=excluded),
+        rates=(DarkRates("", np.arange(len(RATE_EDGES) - 1), 0.1, 0.02),),
+        lattice=Lattice(12, 5, 3, 80.0, 89_426),
+        spots=Spots(np.array([[5.5, 7.5, 4.0]]), 700),
+    )
     path = str(tmp_path / "statistics.npz")
     found.save(path)
     again = ConstantStatistics.load(path)
@@ -218,8 +225,12 @@ def test_a_file_has_all_of_it(tmp_path):
         mean = again.mean_of(number)
         np.testing.assert_array_equal(mean, found.mean_of(number), strict=True)
         mean[:] = 0
-    np.testing.assert_array_equal(again.excluded, excluded, strict=True)
-    np.testing.assert_array_equal(again.only([1]).mean_of(0), found.mean_of(1))
+    some = again.only([1])
+    for one in (again, some):
+        np.testing.assert_array_equal(one.excluded, excluded, strict=True)
+        assert (one.lattice, repr(one.spots)) == (found.lattice, repr(found.spots))
+        assert repr(one.rates) == repr(found.rates)
+    np.testing.assert_array_equal(some.mean_of(0), found.mean_of(1))
 
 
 @pytest.mark.parametrize("side", [1, 2])
@@ -276,6 +287,30 @@ def test_some_of_the_groups():
     groups = groups_of(*lists)
     some = [groups[2], groups[0]]
     assert_alike(measured(groups, 2).only([2, 0]), measured(some, 2))
+
+
+def test_the_shortest_darks_of_a_split_are_those_that_repeat_each_other():
+    """Flats, and a dark without another of its kind, are none."""
+    plan = [
+        ("flat", "training", 0.0, 2),
+        ("dark", "training", 9.0, 2),
+        ("dark", "training", 3.0, 2),
+        ("dark", "training", 1.0, 1),
+        ("dark", "test", 2.0, 2),
+        ("dark", "training", 3.0, 3),
+    ]
+    lists = [drawn((8, 9), count, seed=n) for n, (*_, count) in enumerate(plan)]
+    groups = [
+        (replace(info, kind=kind, split=split, exposure_time=time), frames)
+        for (info, frames), (kind, split, time, _) in zip(
+            groups_of(*lists), plan, strict=True
+        )
+    ]
+    found = measured(groups, 1)
+    assert [list(one) for one in found.darks_by_time()] == [[4], [2, 5], [1]]
+    assert [list(one) for one in found.darks_by_time("training")] == [[2, 5], [1]]
+    assert list(found.shortest_darks("training")) == [2, 5]
+    assert list(found.shortest_darks("validation")) == []
 
 
 def test_a_corner_without_samples_is_not_filled_with_the_noise_of_the_rest():
