@@ -61,6 +61,7 @@ def test_a_planted_law_is_found_in_its_units():
         assert one.value == pytest.approx(truth, abs=3.5 * one.standard_error)
         assert one.standard_error < 0.15 * abs(truth)
     assert law.has_hot and law.is_uneven
+    assert law.hot_words == law.uneven_words == ""
 
 
 def test_no_hot_pixel_is_a_limit():
@@ -108,6 +109,8 @@ def test_others_as_uneven_as_hot_pixels_are_have_no_law():
     found = hot + rng.normal(0, 2.2, 40_000)
     law = law_of((found - found.mean()) * NOISE / 2.2)
     assert law.has_too_many_hot and not law.has_hot and not law.is_uneven
+    assert law.hot_words == "not told from the others, which are as uneven"
+    assert law.uneven_words == "not shown among so many hot"
 
 
 def found_with(**fields):

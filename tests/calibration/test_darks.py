@@ -3,10 +3,13 @@
 """What darks show besides the figures of the fit, by published and planted numbers."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from scipy.stats import tukeylambda
 
+from calibration.planted import RANGE, frames_of, sensor_of
+from cg2raw.calibration import calibrate
 from cg2raw.calibration.darks import doubling_of, lambda_of
 from cg2raw.calibration.measured import Measured
 
@@ -37,3 +40,23 @@ def test_dark_current_doubles_in_so_many_kelvin():
 )
 def test_rates_that_do_not_rise_or_stand_out_say_no_doubling(each):
     assert doubling_of(rates(*each)) is None
+
+
+def test_each_set_point_has_its_rate():
+    """1 and 4 DN/s, of darks of 30 s at -10 and 2 C: charge doubles in 6 K."""
+    frames = []
+    for rate, celsius, biases in ((1.0, -10.0, 3), (4.0, 2.0, 0)):
+        effect = {"dark_current": {"per_second": rate / RANGE}}
+        sensor = sensor_of(effect, shape=(48, 64))
+        drawn = frames_of(sensor, biases=biases, darks=4 - biases // 3, flats=0)
+        frames += [
+            replace(one, name=f"{one.name} {celsius}", temperature=celsius)
+            for one in drawn
+        ]
+    found = calibrate(sensor, frames).dark
+    assert [celsius for celsius, _ in found.rates] == [2.0, -10.0]
+    for (_, rate), truth in zip(found.rates, (4.0, 1.0), strict=True):
+        assert rate.value == pytest.approx(truth, abs=4 * rate.standard_error)
+    assert found.rate.standard_error < 0.02
+    within = 4 * found.doubling.standard_error
+    assert found.doubling.value == pytest.approx(6.0, abs=within)

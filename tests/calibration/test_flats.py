@@ -46,7 +46,8 @@ def points(levels, times):
 
 def test_linearity_is_the_mean_deviation_of_levels_from_a_line():
     """Levels of 1000 DN a second, of which the middle one is 1 % high: deviations by
-    the line of least relative squares, and their mean."""
+    the line of least relative squares, and their mean. A bend is the mean deviation
+    from a line through zero: a fifth of 4 times 0.2 % and 0.8 %."""
     times = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
     levels = 1000 * times * np.array([1, 1, 1.01, 1, 1])
     line = np.polynomial.Polynomial.fit(times, levels, 1, w=1 / levels)
@@ -55,6 +56,19 @@ def test_linearity_is_the_mean_deviation_of_levels_from_a_line():
     np.testing.assert_allclose(found.deviations, expected, atol=1e-6)
     assert found.deviations[2] == pytest.approx(0.8, abs=0.1)
     assert found.error.value == pytest.approx(np.abs(expected).mean())
+    assert found.bend == pytest.approx(0.0032, rel=0.01)
+
+
+def test_a_loss_at_white_is_within_its_error_where_lamps_drift_more_than_told():
+    """Three times more: levels' own deviations from the curve widen the error."""
+    x, white, away = np.linspace(0.1, 0.9, 12), 6000.0, []
+    for seed in range(150):
+        drift = np.random.default_rng(seed).normal(0, 0.003 / math.sqrt(2), len(x))
+        levels = white * x * (1 - 0.05 * x) * (1 + drift)
+        loss = linearity(points(levels, x), white, 1e-3, white).quadratic
+        away.append((loss.value - 0.05) / loss.standard_error)
+    assert np.std(away) == pytest.approx(1.12, rel=0.2)  # Student's t of 10 freedoms
+    assert abs(np.mean(away)) < 0.4
 
 
 @pytest.mark.parametrize(("quadratic", "cubic"), [(0.06, 0.02), (0.03, None)])

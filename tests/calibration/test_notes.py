@@ -14,6 +14,7 @@ from cg2raw.calibration.fitting import Fitted
 from cg2raw.calibration.flats import Light, Linearity, PhotonTransfer, TransferPoints
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.notes import notes_on, of_flats
+from cg2raw.calibration.sites import Sites
 
 DARK = SimpleNamespace(cut=0.1, frame=SimpleNamespace(name="bias-1"))
 DRIFT, NOISE = (
@@ -46,12 +47,35 @@ NO_FLATS = "gain, PRNU, shading, linearity"
             {"fit": Fitted([DRIFT], misfit=2.0), "tails": TAILS},
             ["doubling temperature", "black level"],
         ),
+        (
+            {"fit": Fitted([DRIFT], misfit=1.4), "sites": Sites(("",), step=4)},
+            ["codes", "read noise", "doubling temperature"],
+        ),
     ],
 )
 def test_darks_that_lack_something_say_what(fields, subjects):
     found = found_with(**fields)
     said = [note.split(":")[0] for note in notes_on(found, [DARK])]
-    assert said == ["ISO", *subjects, NO_FLATS]
+    assert sorted(said) == sorted(["ISO", *subjects, NO_FLATS])
+
+
+def test_a_note_has_the_numbers_that_it_is_about():
+    found = found_with(
+        sites=Sites(("",), step=4),
+        transfer=PhotonTransfer(clipped=3),
+        excluded={"dark-7": "its level is off"},
+        fit=Fitted(lost="cut", misfit=2.0),
+    )
+    said = " / ".join(notes_on(found, [DARK]))
+    for words in (
+        "dark-7: its level is off: excluded",
+        "steps of 4 DN",
+        "rounding adds 4^2 / 12 DN^2",
+        "3 flats have more than 0.2% of pixels at white",
+        "10.0% of the pixels of bias-1: black level and read noise are by the law",
+        "by 2.0 times their drift",
+    ):
+        assert words in said, said
 
 
 def transfer(is_coarse=False, **more):

@@ -10,7 +10,8 @@ from calibration.test_bounds import found_with
 from calibration.test_table import figure
 from cg2raw.calibration import report
 from cg2raw.calibration.fitting import Fitted
-from cg2raw.calibration.flats import PhotonTransfer, TransferPoints
+from cg2raw.calibration.flats import Linearity, PhotonTransfer, TransferPoints
+from cg2raw.calibration.measured import Measured
 
 
 def test_photon_transfer_is_drawn_by_gain_dark_noise_and_patterns(monkeypatch):
@@ -42,3 +43,16 @@ def test_photon_transfer_is_drawn_by_gain_dark_noise_and_patterns(monkeypatch):
         pytest.approx(2 * mean[0]),
     )
     assert ratios.y == pytest.approx(np.sqrt(mean[0] / 2))
+
+
+def test_linearity_is_drawn_by_deviations_and_told_with_its_interval(monkeypatch):
+    drawn = []
+    monkeypatch.setattr(report, "lines", lambda _, marks, *more: drawn.extend(marks))
+    error, loss = Measured(0.5, 0.1, "%"), Measured(0.02, 0.01, "1")
+    levels, deviations = np.array([900.0, 100.0]), np.array([0.3, -0.3])
+    line = Linearity(error, loss, None, 0.01, levels, deviations)
+    card = next(report.cards(found_with(linearity=line)))
+    assert (card.title, card.interval) == ("Linearity", "95 %: 0.30 to 0.70 %")
+    zero, dots = drawn
+    assert (list(zero.x), list(zero.y)) == ([100, 900], [0, 0])
+    assert (list(dots.x), list(dots.y)) == ([900, 100], [0.3, -0.3])

@@ -3,12 +3,17 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from calibration.test_bounds import found_with
+from cg2raw.calibration.darks import DarkCurrent, Tails
 from cg2raw.calibration.fitting import Fitted
+from cg2raw.calibration.flats import Light, PhotonTransfer
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.table import rows_of, told
+from cg2raw.calibration.sites import Sites
+from cg2raw.calibration.structure import BiasStructure, Glow
+from cg2raw.calibration.table import as_text, rows_of, told
 from cg2raw.model.figures import Figure
 
 
@@ -49,3 +54,51 @@ def test_rows_have_electrons_by_the_gain_and_intervals():
     assert rows["black level"].electrons is None and rows["PRNU"].electrons is None
     assert (noise.more, rows["PRNU"].more) == ("95 %: 4.9 to 5.1", "95 %: 0.8 to 1.2")
     assert rows["PRNU"].value == Measured(pytest.approx(1.0), pytest.approx(0.1), "%")
+
+
+def structure(length):
+    """Return that of 300 columns whose first ones fall over so many px."""
+    ramp, edge = Measured(2.0, 0.1, "DN"), Measured(5.0, 0.2, "DN")
+    profiles = 4 * [np.zeros(300)]
+    return BiasStructure(ramp, ramp, edge, Measured(length, 0.5, "px"), *profiles)
+
+
+TAILS = Tails(Measured(3.0, 0.1, "1"), -0.2, np.zeros(1), 2, np.ones(1), np.ones(1))
+RATES = ((-5.0, Measured(1.0, 0.1, "DN/s")), (None, Measured(2.0, 0.1, "DN/s")))
+GLOW = [Measured(value, 0.01, "1") for value in (-1.0, 0.5, 0.25)]
+SITES = [figure("gain", "e-/DN", 2.0 + n, 0.1, n) for n in range(4)]
+
+
+@pytest.mark.parametrize(
+    ("fields", "line"),
+    [
+        ({"structure": structure(9.0)}, "first columns 5.00 +- 0.20 DN over 9.00"),
+        ({"structure": structure(50.0)}, "first columns - over more than 50 px, where"),
+        ({"tails": TAILS}, "excess kurtosis 3.00 +- 0.10 Tukey lambda at most -0.20"),
+        (
+            {"dark": DarkCurrent(RATES, None, ())},
+            "dark current, median 1.00 +- 0.10 DN/s at -5.0 C",
+        ),
+        (
+            {"glow": Glow(Measured(2.0, 0.1, "DN/s"), *GLOW, 0.1, 0.2, 20.0)},
+            "amplifier glow 2.00 +- 0.10 DN/s from row -1, column +0.5",
+        ),
+        (
+            {"fit": Fitted(SITES), "sites": Sites(("R", "Gr", "Gb", "B"))},
+            "gain 3.500 +- 0.050 e-/DN R 2.00 Gr 3.00 Gb 4.00 B 5.00",
+        ),
+        (
+            {"light": Light({}, Measured(0.1, 0.01, "1"), 0.023, np.ones((2, 2)))},
+            "shading besides, as of dust 2.3 %",
+        ),
+        ({"lamp": Measured(0.002, 0.0001, "1")}, "frame to frame 0.200 +- 0.010 %"),
+        (
+            {"transfer": PhotonTransfer([], Measured(999.0, 2.0, "DN"), "full well")},
+            "saturation 999.0 +- 2.0 DN full well",
+        ),
+        ({"transients": {"darks of 0 s": 7}}, "transients 7 pixels in darks of 0 s"),
+        ({"notes": ("gain: no flats",)}, "note gain: no flats"),
+    ],
+)
+def test_a_line_tells_a_number_its_unit_and_what_else_is_known(fields, line):
+    assert line in " ".join(as_text(found_with(**fields)).split())
