@@ -7,13 +7,23 @@ import json
 import numpy as np
 import pytest
 
+from calibration import planted
 from calibration.planted import ISO, WHITE, sensor_of
-from calibration.test_table import figure
-from cg2raw.calibration.calibration import Calibration
+from calibration.test_bounds import found_with
+from calibration.test_table import GLOW, TAILS, figure, structure
+from cg2raw.calibration.calibration import Calibration, effects_found
+from cg2raw.calibration.darks import DarkCurrent
 from cg2raw.calibration.fitting import Fitted
+from cg2raw.calibration.flats import (
+    AT_WHITE,
+    FULL_WELL,
+    Light,
+    Linearity,
+    PhotonTransfer,
+)
 from cg2raw.calibration.measured import Measured
-from cg2raw.calibration.sites import sites_of
-from cg2raw.calibration.structure import BiasStructure
+from cg2raw.calibration.sites import Sites, sites_of
+from cg2raw.calibration.structure import BiasStructure, Glow
 from cg2raw.normal import CI95
 
 SENSOR = sensor_of()
@@ -86,3 +96,99 @@ def test_the_black_level_is_without_first_columns_that_an_effect_adds():
     assert effect["parameters"]["edge"] == pytest.approx(12 / RANGE, rel=1e-5)
     mean = 12 * np.exp(-np.arange(WIDTH) / 10).mean()
     assert profile["black_level"] == pytest.approx(LEVELS - mean, rel=1e-5)
+
+
+def dark(rate):
+    """Return a dark current that is known to 0.1 DN/s, and where a glow of 0.25 DN/s in
+    the mean, of 2 DN/s at its place, is part of it."""
+    line = DarkCurrent(((None, Measured(rate, 0.1, "DN/s")),), None, ())
+    return {"dark": line, "glow": Glow(PER_SECOND, *GLOW, 0.1, 0.25, 20.0)}
+
+
+def bent(bend, error=0.001):
+    """Return linearity with such a bend, and losses of 2 and 1 % with such an error."""
+    losses = (Measured(loss, error, "1") for loss in (0.02, 0.01))
+    return {"linearity": Linearity(ZERO, *losses, bend, np.ones(3), np.zeros(3))}
+
+
+def full(clipped_by):
+    """Return saturation of 12,000 DN."""
+    level = Measured(12_000.0, 5.0, "DN")
+    return {"transfer": PhotonTransfer([], level, clipped_by)}
+
+
+def shaded(fall_off):
+    """Return light that falls off so much, known to a hundredth of that."""
+    rms = Measured(fall_off, fall_off / 100, "1")
+    return {"light": Light({"r2": PER_SECOND}, rms, 0.0, np.ones((2, 2)))}
+
+
+def next_in_row(value):
+    """Return a correlation, known to 0.001."""
+    one = figure("correlation, next in row", "1", value, 0.001)
+    return {"fit": Fitted([one])}
+
+
+ZERO, PER_SECOND = Measured(0.0, 0.1, "%"), Measured(2.0, 0.1, "DN/s")
+UNIT = 1 / planted.RANGE
+AROUND = {"row": -1.0, "column": 0.5, "extent": 0.25}
+
+
+@pytest.mark.parametrize(
+    ("fields", "name", "values"),
+    [
+        (
+            {"structure": structure(9.0)},
+            "bias_structure",
+            {"horizontal": 2 * UNIT, "vertical": 2 * UNIT, "edge": 5 * UNIT}
+            | {"edge_length": 9.0},
+        ),
+        (
+            {"structure": structure(50.0)},  # as long as any that is tried
+            "bias_structure",
+            {"horizontal": 2 * UNIT, "vertical": 2 * UNIT},
+        ),
+        (dark(1.0), "dark_current", {"per_second": 0.75 * UNIT}),
+        (dark(0.2), "dark_current", None),
+        (dark(1.0), "amplifier_glow", {"per_second": 2 * UNIT, **AROUND}),
+        (bent(0.005), "nonlinearity", {"quadratic": 0.02, "cubic": 0.01}),
+        (bent(0.0049), "nonlinearity", None),  # lamps and shutters may
+        (bent(0.01, error=0.01), "nonlinearity", None),
+        (full(FULL_WELL), "full_well", {"below_white": 1 - 12_000 * UNIT}),
+        (full(AT_WHITE), "full_well", None),
+        ({"sites": Sites(("",), step=4)}, "quantisation", {"step": 4 * UNIT}),
+        ({}, "quantisation", None),
+        (shaded(0.0011), "lens_shading", {"r2": 2.0}),
+        (shaded(0.0009), "lens_shading", None),  # no lamp is flatter
+        (next_in_row(-0.006), "read_noise_correlation", {"coefficient": -0.006}),
+        (next_in_row(0.0049), "read_noise_correlation", None),
+    ],
+)
+def test_what_stands_out_is_an_effect_in_units_of_the_signal(fields, name, values):
+    found = effects_found(found_with(**fields), False)[name]
+    if values is None:
+        assert found is None
+    else:
+        numbers = {key: getattr(one, "value", one) for key, one in found.items()}
+        assert numbers == pytest.approx(values)
+
+
+@pytest.mark.parametrize(
+    ("fields", "note"),
+    [
+        ({"tails": TAILS}, "(excess kurtosis 3.00, Tukey lambda -0.20)"),
+        ({"fit": [figure("gain", "e-/DN", 2.0, 0.1)]}, "give darks, too"),
+        ({"fit": [figure("read noise", "DN", 2.0, 0.1)]}, "give flats, too"),
+        (
+            {"fit": [figure("read noise", "DN", 2.0, 0.1)], "lost": "cut"},
+            "give flats of several levels from faint ones on, too",
+        ),
+    ],
+)
+def test_what_cannot_be_written_into_a_profile_is_said(fields, note):
+    """Of a sensor whose profile has no noise."""
+    fields = {"fit": [], "lost": "", **fields}
+    fit = Fitted(fields.pop("fit"), lost=fields.pop("lost"))
+    sensor = sensor_of(noise=[])
+    [said] = found_with(sensor=sensor, iso=ISO, fit=fit, **fields).profile_notes()
+    assert note in said
