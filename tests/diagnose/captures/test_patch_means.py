@@ -100,10 +100,22 @@ def test_colours_of_a_table(tmp_path, head, row, expected):
     np.testing.assert_allclose(means.colors[0], expected, atol=1e-3)
 
 
-def test_a_colour_that_is_there_twice_is_told_by_its_line(tmp_path):
-    table(tmp_path, "patch,r,g,b\nA1,1,1,1\na1,0,0,0\n", "colours.csv")
-    with pytest.raises(ValueError, match=':3: patch "a1" is there twice'):
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("r,g,b\nA1,1,1,1\na1,0,0,0\n", ':3: patch "a1" is there twice'),
+        ("r,g\nA1,1,1\n", "columns must be patch and r, g, b or X, Y, Z or L, a, b"),
+        ("r,g,b,X,Y,Z\nA1,1,1,1,1,1,1\n", "columns must be patch and r, g, b or X,"),
+        ("L,a,b\nA1,201,0,0\n", ':2: L is "201"; must be a finite number from -200 to'),
+        ("L,a,b\nA1,200,0,-201\n", ':2: b is "-201"; must be a finite number from'),
+        ("r,g,b\nA1,-1.1,0,0\n", ':2: r is "-1.1"; must be a finite number from -1 to'),
+    ],
+)
+def test_colours_that_are_no_colours_are_told_by_their_line(tmp_path, text, words):
+    table(tmp_path, f"patch,{text}", "colours.csv")
+    with pytest.raises(ValueError) as error:
         read_colors(str(tmp_path / "colours.csv"))
+    assert words in str(error.value)
 
 
 def test_colours_of_the_manifest(tmp_path):
@@ -220,6 +232,7 @@ BAD_LINES = [
     (LINE.replace("colorchecker", "none.csv") + "}", "there is no file"),
     (LINE.replace("chart: colorchecker", "patches: [{patch: a, rgb: [1, 1, 1]}, "
                   "{patch: a, rgb: [1, 1, 1]}]") + "}", '"a" is there twice; give'),
+    (LINE.replace("chart: colorchecker", "patches: []") + "}", "has no patch; add at"),
     (LINE.replace("chart: colorchecker", "patches: [{patch: a}]") + "}", "has no col"),
     ("{file: a.npy, kind: chart, patches: [{area: [0, 0, 9, 9], rgb: [1, 1, 1]}], "
      "count: 3}", "count is not for a chart in a frame; remove it"),
@@ -263,3 +276,9 @@ def test_a_check_of_a_table(tmp_path):
     assert "a mean of 1023 DN is at white (1023 DN): clipped patches belong" in words
     assert (found.integrities[0].low, found.integrities[0].high) == (80, 1023)
     assert not found.is_right and not found.integrities[1].complaints
+
+
+def test_a_table_of_which_nothing_was_measured_is_no_chart(tmp_path):
+    table(tmp_path, f"{HEAD}\nwhite,,,,\n")
+    [found] = files.checked(tmp_path, [LINE + "}"]).integrities
+    assert found.complaints == ("no patch has a mean: nothing was measured",)

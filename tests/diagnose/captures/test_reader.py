@@ -135,6 +135,47 @@ def test_masks_of_set_and_frame_are_one(tmp_path):
     np.testing.assert_array_equal(found["1.npy"].mask(), (whole & own) != 0)
 
 
+def test_a_mask_may_be_an_image(tmp_path):
+    own = np.ones(files.SHAPE, np.float32)
+    own[:, :20] = 0
+    write_image(tmp_path / "own.exr", np.repeat(own[..., None], 3, axis=2))
+    found = files.read_series(tmp_path, 3 * ["kind: dark, mask: own.exr"])
+    np.testing.assert_array_equal(found.captures[0].mask(), own != 0)
+
+
+@pytest.mark.parametrize(
+    ("array", "words"),
+    [
+        (np.zeros(files.SHAPE), "masks every pixel; 0 is for what to ignore"),
+        (np.ones((*files.SHAPE, 2)), "is (48, 64, 2), not 64x48"),
+    ],
+)
+def test_a_mask_of_nothing_or_of_another_shape_is_refused(tmp_path, array, words):
+    np.save(tmp_path / "m.npy", array)
+    [first, *_] = files.read_series(tmp_path, ["kind: dark, mask: m.npy"]).captures
+    with pytest.raises(ValueError) as error:
+        first.mask()
+    assert str(error.value).endswith(f"m.npy: {words}")
+
+
+@pytest.mark.parametrize(
+    ("array", "more", "words"),
+    [
+        (np.zeros(files.SHAPE), "", "is (48, 64) float64; must be (H, W, 3) floats"),
+        (np.zeros((*files.SHAPE, 4)), "", "is (48, 64, 4) float64; must be (H, W, 3)"),
+        (np.zeros((*files.SHAPE, 3), int), "", "is (48, 64, 3) int64; must be (H, W,"),
+        (files.picture(), ", linearize: srgb", "linearize: its floats are linear; rem"),
+    ],
+)
+def test_an_array_of_a_scene_is_of_linear_floats(tmp_path, array, more, words):
+    np.save(tmp_path / "r.npy", array)
+    fields = [f"kind: scene, scene: r.npy, illuminant: D65{more}"]
+    [first, *_] = files.read_series(tmp_path, fields).captures
+    with pytest.raises(ValueError) as error:
+        first.scene()
+    assert f"r.npy: {words}" in str(error.value)
+
+
 def test_a_single_frame_is_divided_by_pixels(tmp_path):
     captures = files.read_series(tmp_path, ["kind: dark"])
     assert [capture.group for capture in captures.captures] == list(GROUPS)
@@ -210,8 +251,11 @@ def test_the_temperature_of_all_frames_and_of_one(tmp_path):
     top = f"sensor: {files.SENSOR}\ntemperature: -20"
     captures = files.read_series(tmp_path, fields, top).captures
     assert {c.name[0]: c.temperature for c in captures} == {"0": -20.0, "1": 5.0}
-    [first, *_] = files.read_series(tmp_path, fields[:1]).captures
-    assert first.temperature is None
+    alone = files.read_series(tmp_path, fields[:1])
+    assert alone.captures[0].temperature is None and alone.temperature is None
+    some = files.read_series(tmp_path, [*fields, "kind: dark"], top)
+    assert some.temperature == -20.0  # of most
+    assert files.read_series(tmp_path, fields).temperature is None  # not of all
 
 
 @pytest.mark.parametrize(
@@ -306,6 +350,18 @@ def test_a_fits_file_is_read_as_its_header_says(tmp_path):
         f"{per_dn:.3g};" in note
         for note in found.notes
     )
+
+
+def test_an_overscan_moves_the_level_of_a_fits_file_to_the_sensor_s_black(tmp_path):
+    fits = pytest.importorskip("astropy.io.fits", reason="astropy is not installed")
+    raw, (height, width) = files.frame(tmp_path, "raw.npy"), files.SHAPE
+    bias = np.full((height, 16), 80, np.uint16)  # 16 DN above the profile's 64
+    hdu = fits.PrimaryHDU(np.hstack([raw + np.uint16(16), bias]))
+    hdu.header["DATASEC"] = f"[1:{width},1:{height}]"
+    hdu.header["BIASSEC"] = f"[{width + 1}:{width + 16},1:{height}]"
+    hdu.writeto(tmp_path / "a.fits")
+    path = files.manifest(tmp_path, ["{file: a.fits, kind: dark, iso: 100}"])
+    np.testing.assert_array_equal(read_captures(path).captures[0].raw(), raw)
 
 
 @pytest.mark.parametrize("where", ["frame", "top"])
