@@ -167,8 +167,6 @@ def summary(diagnosis: Diagnosis) -> str:
 
 def left(diagnosis: Diagnosis) -> str:
     """Return the largest residual that no effect explains."""
-    if not diagnosis.unexplained:
-        return "Something is left."
     largest = max(
         diagnosis.unexplained,
         key=lambda test: test.nats_per_pixel if is_known(test.nats_per_pixel) else 0,
