@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calibration.test_bounds import found_with
-from cg2raw.calibration.darks import DarkCurrent, Tails
+from cg2raw.calibration.darks import DarkCurrent, DarkSpread, Tails
 from cg2raw.calibration.fitting import Fitted
 from cg2raw.calibration.flats import Light, PhotonTransfer
 from cg2raw.calibration.measured import Measured
@@ -69,6 +69,13 @@ GLOW = [Measured(value, 0.01, "1") for value in (-1.0, 0.5, 0.25)]
 SITES = [figure("gain", "e-/DN", 2.0 + n, 0.1, n) for n in range(4)]
 
 
+def spread(nats):
+    """Return rates of pixels whose hot ones are sure, and whose others are by nats."""
+    each = (0.1, 0.3, 0.8, 0.01, 20.0)
+    law = [Measured(one, one / 20, "DN/s") for one in each]
+    return {"spread": DarkSpread(*law, {0.9: 0.5, 0.9999: 60.0}, 0.1, nats, 99.0, 0.0)}
+
+
 @pytest.mark.parametrize(
     ("fields", "line"),
     [
@@ -82,6 +89,16 @@ SITES = [figure("gain", "e-/DN", 2.0 + n, 0.1, n) for n in range(4)]
         (
             {"glow": Glow(Measured(2.0, 0.1, "DN/s"), *GLOW, 0.1, 0.2, 20.0)},
             "amplifier glow 2.00 +- 0.10 DN/s from row -1, column +0.5",
+        ),
+        (
+            spread(99.0),
+            "nonuniformity, rate 0.300 +- 0.015 DN/s above the median, DN/s: "
+            "90 %: 0.5 99.99 %: 60 nonuniformity, sigma of log 0.800",
+        ),
+        (spread(0.0), "nonuniformity, rate - not found; above the median, DN/s: 90 %"),
+        (
+            spread(0.0),
+            "hot pixels 1.000 +- 0.050 % hot pixels, mean rate 20.0 +- 1.0 D",
         ),
         (
             {"fit": Fitted(SITES), "sites": Sites(("R", "Gr", "Gb", "B"))},
@@ -102,3 +119,8 @@ SITES = [figure("gain", "e-/DN", 2.0 + n, 0.1, n) for n in range(4)]
 )
 def test_a_line_tells_a_number_its_unit_and_what_else_is_known(fields, line):
     assert line in " ".join(as_text(found_with(**fields)).split())
+
+
+def test_each_section_has_its_name_once():
+    names = [line for line in as_text(found_with()).splitlines() if line[0] != " "]
+    assert names == ["black", "noise", "dark current", "light"]

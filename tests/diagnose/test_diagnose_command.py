@@ -253,12 +253,14 @@ def test_a_check_looks_at_pixels_alone(tmp_path):
     [
         (("-o", "r"), "x.yaml: No such file"),
         (("-o", "no/r"), "-o no/r: there is no folder"),
+        (("-o", "file"), "-o file: is a file; name a folder"),
         (("-o", "r", "--exclude", "row_nois"), "did you mean row_noise?"),
         (("-o", "r", "--include", "fog"), 'no diagnosis names "fog": they are '),
     ],
 )
 def test_what_is_not_there_is_one_line(tmp_path, monkeypatch, words, message):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").touch()
     assert message in fails("diagnose", "run", "x.yaml", *words)
 
 

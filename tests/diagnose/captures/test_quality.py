@@ -76,6 +76,17 @@ def test_levels_that_are_wrong(tmp_path, kind, value, words):
     assert words in " ".join(found.complaints)
 
 
+@pytest.mark.parametrize(
+    ("above", "words"), [(0.5, ("holds no light: is it a dark?",)), (1.5, ())]
+)
+def test_a_flat_is_a_dn_above_black_or_more(tmp_path, above, words):
+    values = np.random.default_rng(9).normal(64 + above, 3, files.SHAPE)
+    np.save(tmp_path / "a.npy", np.rint(values).astype(np.uint16))
+    line = "{file: a.npy, kind: flat, scene: unknown, illuminant: A}"
+    [found] = files.checked(tmp_path, [line]).integrities
+    assert found.complaints == words
+
+
 def test_shares_of_clipped_and_empty_pixels(tmp_path):
     raw = files.frame(tmp_path, "a.npy", files.picture())
     raw = raw.copy()
@@ -114,10 +125,13 @@ def test_codes_that_are_scaled_or_coarse(tmp_path, sigma, scale, complaint, rema
     assert len(found.remarks) == bool(remark) and remark in "".join(found.remarks)
 
 
-def test_codes_in_the_steps_of_the_profile_are_its_own(tmp_path):
+@pytest.mark.parametrize(
+    ("sigma", "remarks"), [(3.0, []), (0.6, []), (0.3, ["its read noise is below 1.6"])]
+)
+def test_codes_in_the_steps_of_the_profile_are_its_own(tmp_path, sigma, remarks):
     effect = {"name": "quantisation", "parameters": {"step": 4 / (1023 - 64)}}
     (tmp_path / "s.json").write_text(files.other_sensor(effects=[effect]).to_json())
-    values = 4 * np.rint(np.random.default_rng(7).normal(16, 3, files.SHAPE))
+    values = 4 * np.rint(np.random.default_rng(7).normal(16.1, sigma, files.SHAPE))
     np.save(tmp_path / "a.npy", values.astype(np.uint16))
     lines = ["{file: a.npy, kind: dark}"]
     _, sensor, frames, _ = read_frames(
@@ -125,6 +139,8 @@ def test_codes_in_the_steps_of_the_profile_are_its_own(tmp_path):
     )
     [found] = check(frames, sensor).integrities
     assert (found.step, found.complaints) == (4, ())
+    assert len(found.remarks) == len(remarks)
+    assert all(map(str.startswith, found.remarks, remarks))
 
 
 @pytest.mark.parametrize(

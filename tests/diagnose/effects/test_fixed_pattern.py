@@ -7,6 +7,16 @@ import pytest
 from cg2raw.diagnose.effects.catalogue import effect
 
 
+def test_the_variance_of_pixels_that_jump_is_that_of_their_steps():
+    """Of a step s, up half of the time, s^2 / 4; steps are exponential."""
+    jumps = effect("random_telegraph_noise")
+    stated = {"fraction": 0.02, "amplitude": 0.003}
+    steps = np.random.default_rng(2).exponential(stated["amplitude"], 1_000_000)
+    expected = stated["fraction"] * (steps**2).mean() / 4
+    found = jumps.pattern_variance(stated, np.zeros(1), 1.0)
+    assert found == pytest.approx(expected, rel=0.01)
+
+
 def test_moments_of_dark_current_that_differs_are_those_of_its_law():
     uneven = effect("dark_current_nonuniformity")
     stated, seconds = {"rate": 0.02, "log_sigma": 0.5}, 3.0

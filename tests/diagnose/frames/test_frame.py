@@ -16,6 +16,7 @@ from cg2raw.diagnose.frames.frame import (
     frame_of,
     planes_of_sites,
     source_of,
+    warmth_of,
 )
 from cg2raw.diagnose.frames.tiling import (
     MARGIN,
@@ -95,6 +96,15 @@ def test_tiles_lie_where_a_mask_counts(group):
     tiles = tiling(wanted.shape, 8192, 2, wanted)
     assert tiles.cut(wanted).sum() > 0.5 * min(8192, wanted.sum())
     assert tiles.cut(wanted).mean() > 1 / 9
+
+
+def test_tiles_of_a_mask_that_lets_count_everywhere_lie_all_over():
+    """A third of the pixels of all tiles: as many as hold what is wanted."""
+    wanted = third((1200, 1600), "select")
+    tiles = tiling(wanted.shape, 8192, 2, wanted)
+    assert tiles.cut(wanted).sum() == pytest.approx(8192, rel=0.1)
+    ends = np.add(tiles.origins.max(axis=0), tiles.size)
+    assert (tiles.origins.min(axis=0) == 0).all() and (ends > (1180, 1570)).all()
 
 
 def test_cut_and_field_agree_with_the_frame():
@@ -188,6 +198,35 @@ def test_a_flat_of_unknown_level_takes_its_own(name):
     )
     assert frame.level_free
     assert frame.camera[0, :, 30, 30] == pytest.approx(levels, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        (np.zeros((8, 9, 3)), "scene of 8 x 9 pixels, capture of 64 x 96; must be ali"),
+        (
+            np.full((*SHAPE, 3), np.nan),
+            "the scene has values that are not finite; must",
+        ),
+        (
+            np.array([1.0, np.inf, 1.0]),
+            "the scene has values that are not finite; must",
+        ),
+    ],
+)
+def test_a_scene_is_finite_and_of_the_frame_s_size(scene, words):
+    captures = CaptureSet(SENSOR, [capture_of(scene=lambda: scene)])
+    with pytest.raises(ValueError) as error:
+        source_of(captures, captures.captures[0], np.zeros(SHAPE, np.uint16))
+    assert words in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("at", "frame", "times"), [(10.0, 16.0, 2), (10.0, 4.0, 0.5), (10.0, None, 1)]
+)
+def test_charge_gathers_twice_as_fast_every_6_kelvin(at, frame, times):
+    assert warmth_of(capture_of("dark", temperature=frame), at) == times
+    assert warmth_of(capture_of("dark", temperature=frame), None) == 1
 
 
 def test_exposure_time_that_is_not_known_makes_rates_per_frame():

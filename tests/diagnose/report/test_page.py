@@ -14,7 +14,8 @@ import pytest
 from cg2raw.diagnose.diagnosis import VERDICTS, Alternative, Gap, Picture
 from cg2raw.diagnose.report import write_report
 from cg2raw.diagnose.report.charts import curve, histograms, svg_of
-from cg2raw.diagnose.report.page import page_of
+from cg2raw.diagnose.report.page import page_of, value_of
+from cg2raw.diagnose.report.values import Shown
 from cg2raw.io.report_page import html_of
 from diagnose.made_up_diagnosis import made_up_diagnosis
 
@@ -136,6 +137,31 @@ def marked(diagnosis, text):
     for n, path in enumerate(paths):
         diagnosis = with_leaf(diagnosis, path, text(n))
     return diagnosis, {path: text(n) for n, path in enumerate(paths)}
+
+
+EACH = [Shown(f"m{n}", f"{n}.0", f"{n} to {n + 1} %", "%") for n in range(5)]
+
+
+@pytest.mark.parametrize(
+    ("sentence", "each", "value", "interval"),
+    [
+        ("Blur: 2 px.", EACH[:1], "m0 0.0 %", "95 %: 0 to 1 %"),
+        ("Blur: 2 px.", EACH[:2], "2 px", "95 %: m0 0 to 1 %; m1 1 to 2 %"),
+        (
+            "Blur: r2 0.1, r4 3.",  # no words of its own
+            EACH,
+            "M0 0.0 %, m1 1.0 %",
+            "95 %: m0 0 to 1 %; m1 1 to 2 %; m2 2 to 3 %; 2 more in the table",
+        ),
+        ("Blur: strong.", [], "strong", ""),
+        ("", [], "without a value", ""),
+    ],
+)
+def test_a_card_tells_how_strong_an_effect_is(
+    diagnosis, sentence, each, value, interval
+):
+    finding = replace(diagnosis.effects[0], sentence=sentence)
+    assert value_of(finding, each) == (value, interval)
 
 
 def test_every_string_is_shown(diagnosis):

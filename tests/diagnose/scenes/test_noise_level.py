@@ -10,7 +10,7 @@ import pytest
 from cg2raw import Sensor
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.scenes.noise_level import ERROR_OF_MEDIAN, _line, noise_models
-from diagnose.planted import bare, capture_of, sensor_of, shown_set
+from diagnose.planted import bare, capture_of, changed, sensor_of, shown_set
 
 SHAPE = (128, 160)
 KINDS = ("dark", "dark", "dark", "dark", "dark", "dark", "flat", "flat", "scene")
@@ -65,6 +65,29 @@ def test_a_measured_noise_is_taken_as_it_is():
     assert model.measured
     assert model.beta1 == pytest.approx([1 / 5000] * 4)
     assert model.beta2 == pytest.approx([(3 / 5000) ** 2] * 4)
+
+
+@pytest.mark.parametrize(
+    ("by", "share", "row_noise", "tails"),
+    [
+        ("heavy_tailed_noise", 0.02, (0.5,), (0.02, 9.0)),
+        ("heavy_tailed_noise", 0.0, (0.5,), None),
+        ("read_noise", 0.02, None, None),  # which draws neither rows nor tails
+    ],
+)
+def test_noise_beyond_the_variance_is_what_its_effects_draw(
+    by, share, row_noise, tails
+):
+    """Rows of 1.5 electrons have their part of the squares of beta2, 3^2 without."""
+    beta2 = (3.0**2 + 1.5**2 * (by == "heavy_tailed_noise")) / 5000**2
+    row = {"iso": 100.0, "beta1": [1 / 5000] * 4, "beta2": [beta2] * 4}
+    row |= {"tukey_lambda": 0.14, "row_sigma": 1.5 / 5000}
+    row |= {"outlier_fraction": share, "outlier_variance_ratio": 9.0}
+    sensor = changed(sensor_of(), noise=[row], noise_effects=["shot_noise", by])
+    (model,) = noise_models(CaptureSet(sensor, [capture_of()])).values()
+    assert model.beta2 == pytest.approx([(3 / 5000) ** 2] * 4)
+    assert model.drawn.get("row_noise") == (row_noise and pytest.approx(row_noise))
+    assert model.drawn.get("heavy_tailed_noise") == tails
 
 
 def test_another_cfa_takes_neighbours_of_one_color():

@@ -9,7 +9,7 @@ import pytest
 
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.scenes.gram import Gram, Space
-from cg2raw.diagnose.verdict.images import _limits, noise_row
+from cg2raw.diagnose.verdict.images import _findings, _limits, _notes, noise_row
 from diagnose.planted import BY_NAME, bare, model_of, sensor_of
 
 
@@ -62,3 +62,44 @@ def test_a_limit_beyond_what_an_effect_may_be_is_none():
 
     assert shown(1e4) == names
     assert shown(1e-4) == ["exposure"]
+
+
+def scenes(nats, alike):
+    """Return what images found. nats : of each name. alike : {name: sets of names}."""
+    return SimpleNamespace(
+        chosen=SimpleNamespace(nats=nats, alike=alike, instead={}),
+        nats={},
+        capture_set=SimpleNamespace(
+            sensor=sensor_of(), nuisances={"light", "exposure"}
+        ),
+        model=model_of(sensor_of()),
+    )
+
+
+@pytest.mark.parametrize(
+    ("blur", "alike", "names"),
+    [
+        (10.1, {}, ["lens_distortion", "blur"]),
+        (9.9, {}, ["lens_distortion"]),  # below 1 % of the other's
+        (30.0, {"blur": [["veiling_glare"]]}, ["lens_distortion", "blur"]),
+    ],
+)
+def test_what_takes_up_the_rest_of_another_model_is_no_finding(blur, alike, names):
+    nats = {"blur": blur, "lens_distortion": 1000.0}
+    values = {name: {} for name in nats}
+    findings, notes = _findings(scenes(nats, alike), values, False)
+    assert [one.name for one in findings] == names
+    if "blur" in names:
+        assert findings[1].ambiguous_with == [one for [one] in alike.get("blur", ())]
+    else:
+        [note] = notes
+        assert note.startswith(
+            "Lens blur takes up what the model of lens distortion does"
+        )
+        assert "(1.0% of its gain)" in note
+
+
+def test_names_that_others_explain_together_are_said():
+    free, note = _notes(scenes({}, {"blur": [["veiling_glare", "exposure"], ["prnu"]]}))
+    assert free == "Free nuisances, which are not effects: exposure, light."
+    assert note.startswith("Lens blur explains as much as veiling glare with exposure")

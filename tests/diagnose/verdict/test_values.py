@@ -7,8 +7,23 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cg2raw.diagnose.verdict.values import _of_levels
+from cg2raw.diagnose.verdict.values import (
+    _of_levels,
+    _of_well,
+    _withheld,
+    of_amplifiers,
+)
+from cg2raw.model.full_well import FullWell
 from cg2raw.normal import CI95
+from diagnose.planted import sensor_of, stating
+
+SENSOR = sensor_of()
+WHITE = SENSOR.signal_range  # DN
+
+
+def in_order(values):
+    """Return {(effect, parameter): (value, low, high)}."""
+    return {(v.effect, v.parameter): v[2:] for v in values}
 
 
 def test_effects_of_levels_have_the_value_and_error_of_each_parameter():
@@ -24,7 +39,7 @@ def test_effects_of_levels_have_the_value_and_error_of_each_parameter():
         levels_of=lambda *_: levels,
     )
     named = ("crosstalk", "white_balance", "exposure")
-    values = {(v.effect, v.parameter): v[2:] for v in _of_levels(found, named)}
+    values = in_order(_of_levels(found, named))
     expected = {
         ("exposure", "gain"): 0.1,
         ("white_balance", "red"): 0.2,
@@ -36,3 +51,53 @@ def test_effects_of_levels_have_the_value_and_error_of_each_parameter():
     for key, value in expected.items():
         ends = (value, value * (1 - CI95 / 10), value * (1 + CI95 / 10))
         assert values[key] == pytest.approx(ends)
+
+
+def test_what_figures_withhold_is_told_as_the_fit_has_it():
+    """Deviations are roots of squares, in shares of white or relative; where a square
+    may be less than none, the low end is 0."""
+    fitted = {"row_noise": (9.0, 1.0), "prnu": (4e-4, 3e-4), "dark_current": (2.0, 0.5)}
+    fitted["dsnu"] = (1.0, 0.1)
+    found = SimpleNamespace(
+        values=[SimpleNamespace(effect="dsnu")],
+        captures=SimpleNamespace(sensor=SENSOR),
+        both=SimpleNamespace(of=fitted.__getitem__),
+    )
+    values = in_order(_withheld(found, [*fitted]))
+    assert values.keys() == {
+        ("row_noise", "sigma"),
+        ("prnu", "sigma"),
+        ("dark_current", "per_second"),
+    }
+    rows = np.sqrt([9, 9 - CI95, 9 + CI95]) / WHITE
+    assert values["row_noise", "sigma"] == pytest.approx(rows)
+    prnu = (0.02, 0.0, np.sqrt(4e-4 + 3e-4 * CI95))
+    assert values["prnu", "sigma"] == pytest.approx(prnu)
+    rate = np.array([2, 2 - 0.5 * CI95, 2 + 0.5 * CI95]) / WHITE
+    assert values["dark_current", "per_second"] == pytest.approx(rate)
+    assert [*_withheld(found, [])] == []
+
+
+def test_steps_between_halves_are_shares_of_white_or_of_light():
+    found = SimpleNamespace(captures=SimpleNamespace(sensor=SENSOR))
+    steps = {"horizontal_offset": (8.0, 1.0), "vertical_response": (0.02, 0.001)}
+    values = in_order(of_amplifiers(found, steps))
+    ends = np.array([8, 8 - CI95, 8 + CI95]) / WHITE
+    assert values["amplifier_mismatch", "horizontal_offset"] == pytest.approx(ends)
+    ends = (0.02, 0.02 - CI95 / 1000, 0.02 + CI95 / 1000)
+    assert values["amplifier_mismatch", "vertical_response"] == pytest.approx(ends)
+
+
+@pytest.mark.parametrize(
+    ("stated", "value"), [({}, 0.2), ({"below_white": 0.05}, 0.15)]
+)
+def test_a_full_well_is_told_below_white_beyond_what_the_profile_states(stated, value):
+    sensor = stating(SENSOR, {"full_well": stated} if stated else {})
+    well = FullWell((0,), 0.8 * WHITE, 0.01 * WHITE, 99.0)
+    found = SimpleNamespace(
+        frames=SimpleNamespace(well=well), captures=SimpleNamespace(sensor=sensor)
+    )
+    [one] = _of_well(found, {"full_well"})
+    ends = (value, value - 0.01 * CI95, value + 0.01 * CI95)
+    assert one[2:] == pytest.approx(ends)
+    assert [*_of_well(found, {"prnu"})] == []
