@@ -2,13 +2,16 @@
 # Copyright Contributors to the cg2raw Project.
 """Figures of planted sensors; of a real one: tests/calibration/test_ccd.py."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.stats import binom, chi2, t
 
-from cg2raw.model.figures import figures_of
+from cg2raw.model.figures import _light, _root, figures_of
 from cg2raw.model.fit import fit
 from cg2raw.model.structure import structure_of
+from cg2raw.normal import CI95
 from cg2raw.statistics.constant import GroupInfo
 from cg2raw.statistics.frame_statistics import frame_statistics
 from model.coverage import misses
@@ -66,6 +69,48 @@ def test_read_noise_of_a_fraction_of_a_code(noise):
     assert inside.sum() >= binom.ppf(1e-3, sets, 0.95) and abs(off.mean()) < 1
     for name in ("correlation, next in row", "row noise", "column noise"):
         assert max(abs(off) for _, off in found[name]) < 4
+
+
+@pytest.mark.parametrize(
+    ("square", "value", "error", "low", "high"),
+    [
+        (9.0, 3.0, 0.2 / 3, 9 - 0.4 * CI95, 9 + 0.4 * CI95),  # by the slope of a root
+        (0.0, 0.0, None, 0.0, 0.4 * CI95),  # which has none at 0
+        (-0.2, 0.0, None, 0.0, 0.4 * CI95 - 0.2),
+        (-2.0, 0.0, np.nan, 0.0, 0.0),  # no variance at all
+    ],
+)
+def test_a_deviation_is_the_root_of_a_variance_known_to_0_4(
+    square, value, error, low, high
+):
+    """Its ends are those of the variance; its error is at most half of that."""
+    found = _root("row noise", "DN", square, 0.4, site=2)
+    ends = np.sqrt([low, high])
+    error = (ends[1] - ends[0]) / 2 / CI95 if error is None else error
+    assert (found.low, found.high) == pytest.approx(tuple(ends))
+    assert found.standard_error == pytest.approx(error, nan_ok=True)
+    assert (found.name, found.unit, found.value, found.site) == (
+        "row noise",
+        "DN",
+        value,
+        2,
+    )
+
+
+@pytest.mark.parametrize("error", [0.1, 0.4])
+def test_electrons_per_dn_are_one_over_the_gain(error):
+    """Of 0.5 DN per electron; where that may be 0, there is no upper end."""
+    values = {"gain": (0.5, error), "prnu": (1e-4, 1e-5)}
+    parameters = SimpleNamespace(sites=1)
+    fitted = SimpleNamespace(
+        of=lambda name, site=0: values[name], parameters=parameters
+    )
+    gain = next(_light(fitted))
+    assert (gain.value, gain.unit, gain.site) == (2.0, "e-/DN", 0)
+    assert gain.standard_error == pytest.approx(2.0 * error / 0.5)
+    assert gain.low == pytest.approx(1 / (0.5 + CI95 * error))
+    most = 1 / (0.5 - CI95 * error) if error < 0.2 else np.inf
+    assert gain.high == pytest.approx(most)
 
 
 def figures_of_darks(levels, noise, splits=("training",)):

@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from cg2raw.model.fit import fit
-from cg2raw.model.flat_levels import WAVES, FlatLevels, flat_levels, level_gains
+from cg2raw.model.flat_levels import (
+    FREE,
+    WAVES,
+    FlatLevels,
+    flat_levels,
+    level_gains,
+)
 from model.planted import planted
 
 ERROR, LEAST = 1e-4, 8.0
@@ -113,3 +119,27 @@ def test_waves_down_the_rows_move_the_mean():
     one_light = np.equal.outer(*2 * (np.tile([0, 1], 4),))
     wanted = 0.02 / (32 * 40) / 6 * one_light  # samples of a plane, frames
     assert covariances[1] - covariances[0] == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize(
+    ("nuisance", "alike", "names"),
+    [
+        ("exposure", "AAAA", set(CHANGES)),
+        ("white_balance", "RGGB", {"gr_gb_imbalance"}),
+    ],
+)
+def test_a_nuisance_may_be_anything_in_each_light(nuisance, alike, names):
+    """That all sites share, or those of each colour, which then show no colour."""
+    found = fit(planted(3, side=2, shape=(64, 80)).statistics)
+    is_flat = found.likelihood.planes[0].is_flat
+    predicted = np.tile(np.where(is_flat, 1.0, np.nan), (4, 1))
+    free, known = (
+        flat_levels(found, predicted, "RGGB", white=1.0, nuisances=frozenset(some))
+        for some in ([nuisance], [])
+    )
+    shared = np.equal.outer(list(alike), list(alike))
+    expected = FREE * np.kron(shared, np.eye(2))
+    assert free.covariance - known.covariance == pytest.approx(expected)
+    assert (set(free.names), set(known.names)) == (names, set(CHANGES))
+    no_filters = replace(known, letters=np.array(["X"]))
+    assert no_filters.names == ["exposure", "nonlinearity"]

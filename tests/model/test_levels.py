@@ -108,6 +108,13 @@ def test_frames_without_noise_are_refused():
         fitted(made)
 
 
+def test_repeats_of_the_same_pixels_are_refused():
+    frame = np.random.default_rng(1).normal(256, 3, SHAPE).astype(np.uint16)
+    group = GroupInfo("dark", ("a", "b", "c"), 1.0), [frame, frame, frame]
+    with pytest.raises(ValueError, match="a: has the same pixels as its 2 repeats, or"):
+        fitted([group])
+
+
 def test_noise_of_charge_is_known_as_well_as_the_charge():
     """The relative variance of a scatter, 2 over its freedom, is more by that."""
     error, frames, time = 0.1, 3, 300.0

@@ -4,8 +4,11 @@
 
 import numpy as np
 import pytest
+from scipy.stats import poisson
 
-from cg2raw.model.shapes.light_patterns import Excess
+from cg2raw.model.shapes.base import nats_beyond
+from cg2raw.model.shapes.dust import Spot, _figures
+from cg2raw.model.shapes.light_patterns import Excess, _weights
 from cg2raw.model.shapes.pdaf_pixels import _mean
 from cg2raw.statistics.constant import ConstantStatistics, GroupInfo
 from cg2raw.statistics.lattice import _beside_neighbours, lattice_of
@@ -169,3 +172,41 @@ def test_the_mean_of_a_lattice_is_that_of_most_of_its_pixels():
     mean, error = _mean(Excess(places, places, values, np.full(200, 1e4)))
     assert error == pytest.approx(0.01 / 190**0.5, rel=0.15)
     assert mean == pytest.approx(-0.06, abs=4 * error)
+
+
+def test_weights_of_frames_show_light_and_nothing_that_darks_have():
+    """Of frames whose noise differs, in the unit of light; none without any light, nor
+    where the frames cannot tell it from what they have besides."""
+    light, time = np.array([0.0, 0.0, 300.0, 900.0]), np.array([0.0, 4.0, 0.1, 0.1])
+    others = np.column_stack([np.ones(4), time])
+    covariance = np.diag([1.0, 4.0, 2.0, 3.0])
+    found = _weights(light, others, covariance)
+    assert found @ light == pytest.approx(1)
+    assert found @ others == pytest.approx(0, abs=1e-12)
+    assert _weights(0 * light, others, covariance) is None
+    assert _weights(light[:2] + 9, others[:2], covariance[:2, :2]) is None
+
+
+@pytest.mark.parametrize(
+    ("count", "low", "high"),
+    [(0, 0.0, 3.689), (1, 0.0253, 5.572), (5, 1.623, 11.668), (10, 4.795, 18.390)],
+)
+def test_as_many_spots_as_poisson_s_law_lets_be(count, low, high):
+    """95 % intervals by F. Garwood, Biometrika 28, 1936, of spots whose middle is in a
+    frame of a quarter of a megapixel."""
+    errors = np.array([0.1, 0.1, 0.01, 0.2, 0.5])
+    inside = Spot(np.array([3.0, 5.0, 0.05, 4.0, 2.0]), errors, 0.0)
+    outside = Spot(np.array([-0.6, 5.0, 0.05, 4.0, 2.0]), errors, 0.0)
+    density, depth, radius = _figures([*count * [inside], outside], (500, 500))
+    assert (density.value, density.unit) == (4 * count, "1/MP")
+    assert (density.low, density.high) == pytest.approx((4 * low, 4 * high), rel=1e-3)
+    assert (depth.value, radius.value) == (pytest.approx(0.05), pytest.approx(4.0))
+
+
+@pytest.mark.parametrize(("count", "mean"), [(1, 0.5), (10, 4.0), (300, 200.0)])
+def test_nats_of_many_bound_their_chance(count, mean):
+    nats = nats_beyond(count, mean)
+    chance = -poisson.logsf(count - 1, mean)
+    assert 0 < nats <= chance < nats + 4
+    assert nats_beyond(mean, mean) == nats_beyond(mean - 0.1, mean) == 0
+    assert nats_beyond(count, 0.0) == np.inf
