@@ -41,7 +41,8 @@ BAD = {
     DARK + "iso: 1\niso: 2": ":5: iso is there twice, first in line 4; remove one",
     DARK + "nuisance: exposure": ":4: nuisance is one value",
     DARK + "nuisance:\n  - exposure\n  - sun": ':6: nuisance[1] is "sun"; must be one',
-    DARK + "uncertainty: {light: 5 %}": ":4: uncertainty.light is '5 %'; must be a",
+    DARK + "uncertainty: {light: 5 %}": ".light is '5 %'; must be a number, 0 to 1",
+    DARK + "uncertainty: {registration: -1}": "'-1'; must be a number, 0 to 100",
     DARK + "uncertainty: {colour: 1}": "uncertainty.colour is no field; must be one of",
     HEAD + "  - {file: dark.npy}": ":3: frames[0] has no kind",
     HEAD + "  - {file: folder, kind: dark}": "a folder; name one file",
@@ -56,18 +57,18 @@ BAD_FRAMES = {
     "kind: drak": 'kind is "drak"; must be one of dark, flat, scene, chart; did you',
     **{f"kind: dark, set: {none}": "set is empty" for none in ("", "~", "''")},
     "kind: dark, group: test": "must be one of fit, select, report",
-    "kind: dark, temperature: -274": "temperature is '-274'; must be a number, -273.15",
+    "kind: dark, temperature: -274": "'-274'; must be a number, -273.15 to 200 de",
     "kind: dark, iso: fast": "iso is 'fast'; must be a number, 1 to 1e+07",
     "kind: dark, iso: '100'": "iso is '100'; must be a number",
-    "kind: dark, exposure_time: -1": "exposure_time is '-1'; must be a number",
+    "kind: dark, exposure_time: -1": "is '-1'; must be a number, 0 to 1e+06",
     "kind: dark, exposure_time: .nan": "exposure_time is '.nan'; must be a number",
     "kind: dark, gain: 2": "gain is not for a dark",
     "kind: dark, scene: 0": "scene is not for a dark",
     "kind: flat": " has no scene, which a flat needs",
-    "kind: flat, scene: -1": "scene is '-1'; must be a number",
+    "kind: flat, scene: -1": "scene is '-1'; must be a number, 0 to 1e+06",
     "kind: flat, scene: [1, 2]": "scene has 2 values; must have 3",
     "kind: flat, scene: [1, 2, red]": "scene[2] is 'red'; must be a number",
-    "kind: flat, scene: 1, gain: 0": "gain is '0'; must be a number",
+    "kind: flat, scene: 1, gain: 0": "gain is '0'; must be a number, 1e-06 to 1e+06",
     "kind: flat, scene: unknown, gain: 2": "gain multiplies nothing",
     "kind: flat, scene: 1, patches: []": "patches is not for a flat",
     "kind: scene": "the render of it",
@@ -85,6 +86,10 @@ BAD_PATCHES = {
     f"{{{AREA}, {WHITE}, lab: [1, 1, 1]}}": "[0] has rgb and lab",
     f"{{area: [0, 0, 3, 4], {WHITE}}}": "[0].area must be [row, column, hei",
     f"{{area: [0.5, 0, 4, 4], {WHITE}}}": "whole pixels",
+    f"{{area: [0, 0, 4, -4], {WHITE}}}": "[3] is '-4'; must be a number, 0 to 65535",
+    f"{{{AREA}, rgb: [-2, 0, 0]}}": "rgb[0] is '-2'; must be a number, -1 to 1e+06",
+    f"{{{AREA}, xyz: [0, 2e6, 0]}}": "xyz[1] is '2e6'; must be a number, -1 to 1e+06",
+    f"{{{AREA}, lab: [0, 0, 201]}}": "lab[2] is '201'; must be a number, -200 to 200",
     f"{{{AREA}, {WHITE}}}, {{area: [3, 3, 4, 4], {WHITE}}}": "[1].area overlaps that",
 }
 
@@ -132,7 +137,7 @@ sensor: nikon-d40
 iso: 200
 illuminant: D65
 nuisance: [exposure, light]
-uncertainty: {light: 0.005, registration: 0.2}
+uncertainty: {light: 1, registration: 0}
 mask: dark.npy
 frames:
   - {file: dark.npy, kind: dark, exposure_time: 1e-3, iso: 800, group: fit, set: 7}
@@ -144,7 +149,7 @@ frames:
     )
     found = read_manifest(path)
     assert found.nuisances == {"exposure", "light"}
-    assert found.uncertainty == {"light": 0.005, "registration": 0.2}
+    assert found.uncertainty == {"light": 1.0, "registration": 0.0}
     assert found.mask == str(folder / "dark.npy")
     dark, bias, flat, unknown, scene = found.frames
     assert (dark.exposure_time, dark.iso, dark.group, dark.set) == (
