@@ -10,6 +10,7 @@ import pytest
 from cg2raw.diagnose.captures.capture import KINDS, Capture
 from cg2raw.diagnose.scenes import flicker
 from cg2raw.diagnose.scenes.flicker import (
+    AT_ONCE,
     Waves,
     chart_series,
     is_shown,
@@ -56,6 +57,16 @@ def test_noise_rows_and_gradients_are_none(more):
         for seed in range(16)
     ]
     assert max(gains) < LEAST
+
+
+def test_waves_are_alike_one_by_one_and_many_at_once():
+    every = waves(1)
+    many = np.linspace(0.02, 0.3, 3 * AT_ONCE)
+    found = every.at(many)
+    for n in (0, AT_ONCE, 2 * AT_ONCE + 1, len(many) - 1):
+        one = every.at(many[n : n + 1])
+        for whole, part in zip(found, one, strict=True):
+            np.testing.assert_allclose(whole[:, n], part[:, 0], rtol=1e-9, atol=1e-6)
 
 
 def test_waves_of_two_periods_are_none():
