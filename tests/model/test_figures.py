@@ -153,6 +153,25 @@ def test_intervals_of_levels_are_those_of_few_frames():
     squares = variance * 5 / chi2.ppf([0.975, 0.025], 5) - noise
     assert np.square([drift.low, drift.high]) == pytest.approx(squares, rel=0.02)
     assert drift.value**2 == pytest.approx(variance - noise, rel=0.02)
+    assert drift.freedom == 5
+
+
+@pytest.mark.parametrize(
+    ("axis", "there", "other"), [(0, "column", "row"), (1, "row", "column")]
+)
+def test_noise_of_neighbours_is_correlated_along_its_own_lines(axis, there, other):
+    """Of 0.3 of the one before: r = 0.3 / (1 + 0.3^2), of three pairs of frames."""
+    rng = np.random.default_rng(8)
+    noise = rng.standard_normal((6, 61, 71))
+    noise = (noise + 0.3 * np.roll(noise, 1, axis + 1))[:, 1:, 1:]
+    frames = np.rint(500 + 9 * noise).astype(np.uint16)
+    info = GroupInfo("dark", tuple("abcdef"), 0.1)
+    statistics = frame_statistics([(info, [lambda f=f: f for f in frames])], 1, 65535)
+    found = {one.name: one for one in figures_of(statistics, fit(statistics))}
+    for line, r in ((there, 0.3 / 1.09), (other, 0.0)):
+        figure = found[f"correlation, next in {line}"]
+        assert figure.standard_error == pytest.approx(1 / (3 * 4200) ** 0.5, rel=0.2)
+        assert figure.value == pytest.approx(r, abs=4 * figure.standard_error)
 
 
 def test_shading_is_known_no_better_than_the_light_of_its_flats():
