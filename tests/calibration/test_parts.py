@@ -8,6 +8,7 @@ import pytest
 from calibration.planted import frame_of
 from cg2raw import Sensor
 from cg2raw.calibration import calibrate
+from cg2raw.calibration.parts import step_of_halves
 from oracles import cameras
 
 SHAPE = (96, 128)
@@ -82,3 +83,27 @@ def test_what_one_amplifier_has_is_no_step():
 def test_a_step_below_the_noise_is_no_reason_to_refuse():
     found = calibrate(MONO, frames_of(offset=part(LEFT, 0.5, 0)))
     assert found.figure("PRNU").value == pytest.approx(0.004, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("planted", "error", "side", "found"),
+    [
+        (0.2, 0.01, 8, 0.2),
+        (-0.2, 0.01, 8, 0.2),
+        (0.09, 0.0001, 8, 0.0),  # moves no number
+        (0.2, 0.1, 8, 0.0),  # within chance: 8 errors of four means of 8 blocks
+        (0.2, 0.01, 9, 0.0),  # no halves
+        (0.2, 0.01, 2, 0.0),  # no slope beside them
+    ],
+)
+def test_a_step_of_noise_between_halves_is_relative_and_without_a_slope(
+    planted, error, side, found
+):
+    along = np.arange(side)
+    lines = 1 + 0.01 * along + planted * (along >= side // 2)
+    blocks, errors = np.tile(lines, side), np.full(side**2, error)
+    step = step_of_halves(blocks, errors, axis=1)
+    assert step == pytest.approx(found / lines.mean())
+    assert step_of_halves(blocks, errors, axis=0) == 0
+    blocks[3] = np.nan
+    assert step_of_halves(blocks, errors, axis=1) == 0

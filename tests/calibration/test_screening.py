@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from calibration.planted import BLACK, frames_of, sensor_of
-from cg2raw.calibration import calibrate
+from cg2raw.calibration import UniformFrame, calibrate
 from cg2raw.calibration.frames import by_level, groups_of, scan, screened
 from cg2raw.calibration.sites import sites_of
 
@@ -61,10 +61,45 @@ def test_an_excluded_frame_moves_no_number():
     assert found.updated_profile() == clean.updated_profile()
 
 
-def test_two_repeats_that_differ_are_refused_by_name():
-    frames = spoiled(7, lambda raw: raw + 1500)
-    with pytest.raises(ValueError, match="dark-7: is 1499.* DN above dark-5"):
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            lambda raw: raw + 1500,
+            "dark-7: is 1499.* DN above dark-5, and both have one",
+        ),
+        (
+            lambda raw: (
+                BLACK + 5 * (raw - BLACK) + np.arange(64 * 96).reshape(64, 96) % 5
+            ),
+            r"dark-7: its noise is 15\.\d\d DN, that of dark-5 2\.9\d DN, and both",
+        ),
+    ],
+)
+def test_two_repeats_that_differ_are_refused_by_name(change, words):
+    frames = spoiled(7, change)
+    with pytest.raises(ValueError, match=words):
         calibrate(SENSOR, [*frames[:6], frames[7], *frames[10:]])
+
+
+@pytest.mark.parametrize("step", [1, 4])
+def test_a_first_look_is_at_levels_noise_and_ends_of_codes(step):
+    """Of sites that are 100 steps apart, each of which has its share of 1 % at white;
+    these count neither in the level nor in the noise."""
+    shape, rng = (64, 96), np.random.default_rng(2)
+    levels = np.array([500.0, 600.0, 700.0, 800.0])
+    raw = np.tile(levels.reshape(2, 2), (32, 48)) + 20 * rng.standard_normal(shape)
+    raw = step * np.rint(raw)
+    raw[:8, :8] = white = SENSOR.white_level  # 16 of each site
+    frame = UniformFrame("a", "flat", lambda: raw.astype(np.uint16))
+    found = scan(frame, sites_of(SENSOR), SENSOR)
+    assert found.shape == shape and found.step == step
+    assert found.level == pytest.approx(step * levels, abs=step * 4 * 20 / 1520**0.5)
+    assert found.noise == pytest.approx(20 * step, rel=0.05)
+    assert found.far == pytest.approx(1 / 96)
+    assert found.saturated == found.at_highest == 1 / 96
+    assert (found.highest, found.cut) == (white, 0.0)
+    assert found.spacing == 4 * (step,) and found.codes > 80
 
 
 @pytest.mark.parametrize(
