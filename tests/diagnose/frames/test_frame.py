@@ -13,6 +13,7 @@ from cg2raw.diagnose.captures.splits import third
 from cg2raw.diagnose.frames.frame import (
     BORDER,
     UNIFORM_BORDER,
+    camera_tiles,
     frame_of,
     planes_of_sites,
     source_of,
@@ -120,6 +121,20 @@ def test_cut_and_field_agree_with_the_frame():
     assert (inside == tiles.cut(rows)[middle]).all()
     assert (tiles.inner(wide[:, None])[:, 0] == tiles.cut(rows)).all()
     assert (wide[0, 0, 0], wide[-1, -1, -1]) == (0, 599)  # moved into the frame
+
+
+def test_light_is_cut_with_what_lies_around_each_tile():
+    tiles = tiling((600, 900), 32768)
+    image = np.random.default_rng(1).random((600, 900, 3), np.float32)
+    found = camera_tiles(image, tiles)
+    assert found.shape == (len(tiles.origins), 3, *tiles.block_size)
+    for color in range(3):
+        whole, inside = found[:, color], tiles.inner(found)[:, color]
+        np.testing.assert_array_equal(inside, tiles.cut(image[..., color]))
+        cut = tiles.cut(image[..., color], with_margin=True)
+        np.testing.assert_array_equal(whole, cut)
+    one = camera_tiles(np.float32([0.1, 0.2, 0.3]), tiles)
+    assert one.shape == found.shape and (one[:, 1] == np.float32(0.2)).all()
 
 
 @pytest.mark.parametrize("kind", ["scene", "flat", "dark"])
