@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.captures.reader import in_groups
-from cg2raw.diagnose.darks_and_flats import darks_and_flats
+from cg2raw.diagnose.darks_and_flats import _nats_of_well, darks_and_flats
 from cg2raw.diagnose.effects.catalogue import names, of_images
 from cg2raw.diagnose.verdict.values import values_of
 from cg2raw.model import dark_levels, flat_levels, lags, selection
 from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
+from cg2raw.model.full_well import FullWell
 from cg2raw.model.shapes import (
     dust,
     heavy_tailed_noise,
@@ -317,3 +318,16 @@ def test_values_are_in_units_of_the_registry(with_dead_lines):
 def test_scenes_alone_are_refused():
     with pytest.raises(ValueError, match="captures: no darks or flats"):
         found({}, changed=lambda every: [c for c in every if not c.is_uniform])
+
+
+@pytest.mark.parametrize(
+    ("stated", "nats"), [(None, 99.0), (0.2, 0.0), (0.25, 12.5), (0.5, 99.0)]
+)
+def test_a_full_well_that_the_profile_states_gains_what_it_is_off(stated, nats):
+    """A well at 0.8 of white, known to 0.01, which gains 99 nats over none."""
+    white = SENSOR.signal_range
+    effects = {} if stated is None else {"full_well": {"below_white": stated}}
+    well = FullWell((0,), 0.8 * white, 0.01 * white, 99.0)
+    assert _nats_of_well(well, stating(SENSOR, effects)) == pytest.approx(
+        nats, abs=1e-9
+    )
