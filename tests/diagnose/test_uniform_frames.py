@@ -78,3 +78,15 @@ def test_frames_of_the_most_frequent_size_decide():
     found = uniform_frames(given, LEAST, lambda share: None)
     assert small not in found.captures and len(found.captures) == 11
     assert found.notes == ["1 frame of another size left out of the darks and flats."]
+
+
+def test_darks_of_saved_statistics_are_not_asked_for_residual_images(tmp_path):
+    made = shown_set(SENSOR, standard_set((64, 96)), 1)
+    made = replace(made, captures=[replace(c, digest=c.name) for c in made.captures])
+    saved, tell = tmp_path / "kept.npz", lambda share: None
+    found = uniform_frames(made, LEAST, tell, saved)
+    note = "Darks of saved statistics: no residual image is looked for."
+    assert saved.exists() and note in found.notes
+    frames = [c for c in made.captures if c.is_uniform]
+    alone = uniform_frames(replace(made, captures=frames), LEAST, tell, saved)
+    assert note not in alone.notes  # nor is one where nothing else was lit

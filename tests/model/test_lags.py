@@ -165,3 +165,11 @@ def test_white_noise_has_none(side):
     lost = 1 / 60 + 25 / 4800  # of what is put back, a tenth may be missing
     for lag in LAGS:
         assert abs(neighbours(found, *lag)[0]) < 4 * error + lost / 10, lag
+    assert neighbours(found, 0, 3) is None  # which is not measured
+
+
+def test_lines_of_three_samples_show_no_neighbours():
+    frames = np.random.default_rng(2).integers(90, 110, (4, 3, 50), np.uint16)
+    info = GroupInfo("dark", ("a", "b", "c", "d"))
+    found = frame_statistics([(info, [lambda f=f: f for f in frames])], 1, 65535)
+    assert all(neighbours(found, *lag) == 0 for lag in LAGS)
