@@ -191,6 +191,32 @@ def test_how_missing_patches_count_is_said(tmp_path):
     assert any("the surround" in note for note in notes) is False
 
 
+@pytest.mark.parametrize(
+    ("cuts", "words"),
+    [
+        (
+            "",
+            [
+                "black (R) are missing, darker than all that were measured: they count "
+                "as cut below those",
+                "white (R) are missing, brighter than all that were measured: they "
+                "count as cut above those",
+            ],
+        ),
+        ("high,low", []),  # which the table says itself
+    ],
+)
+def test_on_which_side_patches_were_cut_is_inferred_unless_it_is_said(
+    tmp_path, cuts, words
+):
+    white, black = cuts.split(",") if cuts else ("", "")
+    rows = f"white,,1,1,1,{white}\nblack,,1,1,1,{black}\nneutral 5,5,5,5,5,\n"
+    means, notes = means_of(tmp_path, f"{HEAD},cut\n{rows}")
+    said = [note for note in notes if "are missing" in note]
+    assert said == [f"p.csv: {one}" for one in words]
+    assert means.side[:2, 0].tolist() == [1, -1]
+
+
 BAD = {
     "no G2": ("patch,R,G1,B\n", ":1: column G2 is missing; columns are patch, R"),
     "unknown": (f"{HEAD},x\na,1,1,1,1,1\n", ":1: column x is unknown; columns are"),
