@@ -3,6 +3,7 @@
 """What is measured goes into the profile in the profile's units."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -131,6 +132,7 @@ def next_in_row(value):
 
 ZERO, PER_SECOND = Measured(0.0, 0.1, "%"), Measured(2.0, 0.1, "DN/s")
 UNIT = 1 / planted.RANGE
+NORMAL = replace(TAILS, excess_kurtosis=None, tukey_lambda=None)
 AROUND = {"row": -1.0, "column": 0.5, "extent": 0.25}
 
 
@@ -192,3 +194,40 @@ def test_what_cannot_be_written_into_a_profile_is_said(fields, note):
     sensor = sensor_of(noise=[])
     [said] = found_with(sensor=sensor, iso=ISO, fit=fit, **fields).profile_notes()
     assert note in said
+
+
+@pytest.mark.parametrize(
+    ("tails", "row_sigma", "tukey_lambda"),
+    [
+        (replace(TAILS, tukey_lambda=0.12), 2.0 * UNIT, 0.12),
+        (NORMAL, 2.0 * UNIT, 0.14),  # as nothing else is known
+        (None, 0.0005, 0.1),  # as before
+    ],
+)
+def test_rows_of_noise_that_say_their_shape_have_it_in_shares_of_white(
+    tails, row_sigma, tukey_lambda
+):
+    """beta2 has rows' noise in it, which is no effect; nor is a black level then."""
+    row = {"beta1": [1e-4] * 4, "beta2": [1e-6] * 4}
+    row |= {"tukey_lambda": 0.1, "row_sigma": 0.0005}
+    levels = {f"offset_{site}": 0.01 for site in ("00", "01", "10", "11")}
+    effects = {"black_level": levels, "row_noise": {"sigma": 0.01}}
+    noise = [{"iso": iso, **row} for iso in (ISO, 4 * ISO)]
+    sensor = sensor_of(effects, noise=noise, sources={"noise": "a paper"})
+    measured = [("black level", 256.0), ("read noise", 4.0), ("row noise", 2.0)]
+    figures = [figure(name, "DN", value, value / 100) for name, value in measured]
+    fit = Fitted([*figures, figure("gain", "e-/DN", 2.0, 0.1)])
+    found = found_with(sensor=sensor, iso=ISO, dark=None, fit=fit, tails=tails)
+    profile = json.loads(found.updated_profile())
+    new, old = profile["noise"]
+    assert (new["row_sigma"], new["tukey_lambda"]) == (
+        pytest.approx(row_sigma, rel=1e-5),
+        tukey_lambda,
+    )
+    assert new["beta1"] == pytest.approx([UNIT / 2] * 4, rel=1e-5)
+    assert new["beta2"] == pytest.approx([16 * UNIT**2 + row_sigma**2] * 4, rel=1e-5)
+    assert (old["iso"], old["beta1"]) == (4 * ISO, row["beta1"])
+    assert profile["effects"] == []
+    words = profile["sources"]["noise"]
+    assert words.startswith("ISO 100: cg2raw calibrate (EMVA 1288 R4.0): 4 darks and 0")
+    assert words.endswith("; other ISOs: a paper")
