@@ -5,13 +5,17 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from scipy.stats import tukeylambda
+from scipy.stats import norm, tukeylambda
 
 from calibration.planted import RANGE, frames_of, sensor_of
 from cg2raw.calibration import calibrate
-from cg2raw.calibration.darks import doubling_of, lambda_of
+from cg2raw.calibration.darks import HISTOGRAM, doubling_of, lambda_of, tails_of
 from cg2raw.calibration.measured import Measured
+from cg2raw.calibration.seen import Seen
+from cg2raw.calibration.sites import sites_of
+from model.shapes.planted import NOISE, SHAPE, darks, normal, statistics_of
 
 
 @pytest.mark.parametrize("shape", [-0.15, -0.05, 0.02, 0.14, 0.4])
@@ -58,5 +62,39 @@ def test_each_set_point_has_its_rate():
     for (_, rate), truth in zip(found.rates, (4.0, 1.0), strict=True):
         assert rate.value == pytest.approx(truth, abs=4 * rate.standard_error)
     assert found.rate.standard_error < 0.02
+    levels = {(time, place): above for time, above, place in found.points}
+    expected = {(0.0, 0): 0, (30.0, 0): 120, (30.0, 1): 30}  # DN above black
+    assert levels == pytest.approx(expected, abs=0.3)
     within = 4 * found.doubling.standard_error
     assert found.doubling.value == pytest.approx(6.0, abs=within)
+
+
+def mixed(rng, shape):
+    """Return noise of which one draw in 20 has twice the deviation."""
+    return normal(rng, shape) * np.where(rng.random(shape) < 0.05, 2.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("noise", "kurtosis", "is_heavy"),
+    # Of a twentieth with four times the variance: 3 (0.95 + 0.05 4^2) / 1.15^2 - 3.
+    [(normal, 0.0, False), (mixed, 0.970, True)],
+)
+def test_tails_are_those_of_what_is_drawn(noise, kurtosis, is_heavy):
+    """By six pairs of 96 x 120 samples; the histogram is in units of their deviation,
+    and a normal law is known to 4 roots of the counts."""
+    groups = darks(2, "", np.zeros(SHAPE), times=(0.0,), frames=12, noise=noise)
+    sensor = sensor_of()
+    seen = Seen(sensor, sites_of(sensor), (), statistics_of(groups))
+    found = tails_of(seen, 0)
+    count = 6 * SHAPE[0] * SHAPE[1]
+    assert found.histogram.sum() == pytest.approx(count, rel=0.01)
+    assert found.frames == 12 and found.are_heavy == is_heavy
+    known = found.excess_kurtosis
+    assert known.value == pytest.approx(kurtosis, abs=0.15)
+    assert known.standard_error == pytest.approx(2 * (24 / count) ** 0.5, rel=0.05)
+    assert found.tukey_lambda == lambda_of(known.value)
+    if not is_heavy:
+        expected = count * np.diff(norm.cdf(HISTOGRAM))
+        away = found.histogram - expected
+        assert (np.abs(away) < 4 * np.sqrt(expected + 1)).all()
+        assert found.variance.mean() == pytest.approx(NOISE**2 + 1 / 12, rel=0.02)
