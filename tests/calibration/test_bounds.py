@@ -73,6 +73,13 @@ def test_no_hot_pixel_is_a_limit():
     assert law.hot_words.startswith("not found; below 0.0")
 
 
+def test_an_unevenness_is_no_hot_pixels():
+    """Of a law whose largest rates are 20 times the noise."""
+    even = 0.5 * np.exp(0.5 * np.random.default_rng(6).standard_normal(40_000))
+    law = law_of(even - even.mean() + rates(0.0, 1.0))
+    assert law.is_uneven and not law.has_hot
+
+
 def test_quantiles_of_mere_noise_are_those_of_a_normal():
     """Of 40,000 pixels, 4 are above the last: it is known to a tenth."""
     quantiles = law_of(rates(0.0, 1.0)).quantiles

@@ -79,6 +79,7 @@ def test_codes_without_neighbours(values, alone):
         (np.minimum(picture(), 255), True),
         (picture() / 4000 * 255, False),
         (np.minimum(picture(), 256), False),
+        (np.append(np.minimum(picture(), 255), 256), False),
         (np.minimum(noise(20) + 150, 255), True),
         (noise(2), False),
     ],
@@ -149,3 +150,11 @@ def test_codes_of_light_that_lie_farther_apart_are_companded(near, far, words):
     found = codes.companded([("b", 4000.0, far), ("a", 100.0, near)])
     assert found.startswith(words) and bool(found) == bool(words)
     assert ("and 1 DN at 100 DN" in found) == bool(words)
+
+
+@pytest.mark.parametrize("step", [1, 4])
+def test_rounding_hides_noise_whose_variance_with_it_is_below_that_of_emva(step):
+    """EMVA 1288, R4.0: 0.49 of a step, rounding with its 1 / 12 included."""
+    assert codes.hidden(step) == pytest.approx(
+        step * (0.49**2 - 1 / 12) ** 0.5, rel=0.01
+    )
