@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """diagnose() as a whole, on small sets."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.diagnosis import Diagnosis
 from cg2raw.diagnose.pipeline import diagnose
 from cg2raw.diagnose.scenes.decide import Scenes
+from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
 from diagnose.planted import (
@@ -254,3 +256,12 @@ def test_without_repeats_less_noise_may_be_noise_reduction(hidden, other):
     for one in found.effects:
         assert set(one.ambiguous_with) == other, one.name
     assert any("two flats" in text for text in found.next_captures) == bool(other)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_workers_begin_nothing_after_the_deadline(count):
+    words = ["b", "a", "c"]
+    for deadline in (None, time.monotonic() + 600):
+        assert Workers(count, deadline).map(str.upper, words) == ["B", "A", "C"]
+    with pytest.raises(TimeIsUp):
+        Workers(count, time.monotonic() - 1).map(str.upper, words)

@@ -4,10 +4,16 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.frames.reader import PIXELS, PIXELS_OF_ALL, read_frames
+from cg2raw.diagnose.frames.reader import (
+    PIXELS,
+    PIXELS_OF_ALL,
+    _wanted,
+    read_frames,
+)
 from cg2raw.diagnose.scenes.noise_level import noise_models
 from diagnose.frames.test_patch_frame import means_of
 from diagnose.planted import captures_of, sensor_of
@@ -44,3 +50,16 @@ def test_tables_of_patches_have_no_pixels_and_are_not_counted():
 
 def test_who_asks_for_pixels_gets_them():
     assert pixels_of(128, 40000) == pixels_of(3, 40000) == pytest.approx(4e4, rel=0.25)
+
+
+def test_pixels_are_wanted_where_any_frame_of_the_shape_counts():
+    """All of them, where one frame has no mask."""
+    left, top = np.zeros((2, *SHAPE), bool)
+    left[:, :300] = top[:200] = True
+    plain, *masked = captures_of(("flat",) * 3, shape=SHAPE)
+    pairs = zip(masked, (left, top), strict=True)
+    masked = [replace(one, mask=lambda mask=mask: mask) for one, mask in pairs]
+    [other] = captures_of(("flat",), shape=(300, 400))
+    found = _wanted(CaptureSet(SENSOR, [*masked, other]), SHAPE)
+    np.testing.assert_array_equal(found, left | top)
+    assert _wanted(CaptureSet(SENSOR, [*masked, plain]), SHAPE) is None
