@@ -3,6 +3,7 @@
 """Pixels that do not respond, and flats that clip in places, move no number."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from calibration.planted import BLACK, GAIN, WHITE, frame_of, frames_of, sensor_of
 from cg2raw.calibration import calibrate
+from cg2raw.calibration.defects import responding, words_of
 
 SHAPE = (128, 160)
 SENSOR = sensor_of({"prnu": {"sigma": 0.006}}, shape=SHAPE)
@@ -119,3 +121,46 @@ def test_flats_whose_middle_clips_show_saturation_alone(well):
     prnu, gain = found.figure("PRNU"), found.figure("gain")
     assert prnu.value == pytest.approx(0.005, abs=2e-4)
     assert abs(gain.value - GAIN) < 4 * gain.standard_error
+
+
+@pytest.mark.parametrize(
+    ("places", "words"),
+    [
+        ([np.s_[3, 5]], "1 of 600 pixels .* 1 pixel in rows 3 to 3, columns 5 to 5"),
+        ([np.s_[3:5, 5], np.s_[9, 7]], "3 .* 3 pixels in rows 3 to 9, columns 5 to 7"),
+        ([np.s_[:11, 4]], "11 of 600 pixels .* no number: column 4"),
+        ([np.s_[:10, 4]], "10 .* 10 pixels in rows 0 to 9, columns 4 to 4"),  # a half
+        (
+            [np.s_[8, :], np.s_[2, 2]],
+            "31 .* row 8; 1 other in rows 2 to 2, columns 2 to 2",
+        ),
+        ([np.s_[:, 3:7]], "80 .* columns 3, 4, 5, 6"),
+        ([np.s_[:, 3:8]], "100 .* columns 3, 4, 5, 6, ..."),
+    ],
+)
+def test_defects_are_told_by_lines_and_the_extent_of_the_rest(places, words):
+    defects = np.zeros((20, 30), bool)
+    for place in places:
+        defects[place] = True
+    assert re.search(f"^{words}$", words_of(defects))
+
+
+@pytest.mark.parametrize(
+    ("sigma", "response", "responds"),
+    [
+        (0.01, 0.68, True),
+        (0.01, 0.65, False),
+        (0.01, 1.32, True),
+        (0.01, 1.35, False),
+        (0.06, 0.60, True),  # of pixels that differ by more, 8 of their deviations
+        (0.06, 0.04, False),  # of the median, of a pixel that has no light
+    ],
+)
+def test_a_pixel_responds_within_a_third_of_its_surroundings(sigma, response, responds):
+    """Whatever their light: it falls off to a half."""
+    light = np.linspace(2000, 1000, 4000).reshape(50, 80)
+    plane = light * (1 + sigma * np.random.default_rng(1).standard_normal(light.shape))
+    plane[40, 9] = response * light[40, 9]
+    found = responding(plane, light)
+    assert found[40, 9] == responds and found.sum() >= found.size - 1
+    assert responding(0 * plane, light).all()  # nothing is lit

@@ -33,9 +33,10 @@ def words_of(defects: Mask) -> str:
             places.append(f"{name}{'s' * (len(lines) > 1)} {listed}{more}")
     y, x = np.nonzero(rest)
     if len(y):
+        what = ("other" if places else "pixel") + "s" * (len(y) > 1)
         places.append(
-            f"{len(y)} {'others' if places else 'pixels'} in rows {y.min()} to "
-            f"{y.max()}, columns {x.min()} to {x.max()}"
+            f"{len(y)} {what} in rows {y.min()} to {y.max()}, columns {x.min()} to "
+            f"{x.max()}"
         )
     return (
         f"{int(defects.sum())} of {rest.size} pixels respond to light by more than "
