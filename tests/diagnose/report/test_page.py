@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """report.html shows all of a diagnosis, safely, alike each time, in one file."""
 
+import math
 import re
 import sys
 from collections.abc import Mapping
@@ -11,8 +12,15 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from cg2raw.diagnose.diagnosis import VERDICTS, Alternative, Gap, Picture
-from cg2raw.diagnose.report import write_report
+from cg2raw.diagnose.diagnosis import (
+    VERDICTS,
+    Alternative,
+    DetectionLimit,
+    Gap,
+    Picture,
+    ResidualTest,
+)
+from cg2raw.diagnose.report import page, write_report
 from cg2raw.diagnose.report.charts import curve, histograms, svg_of
 from cg2raw.diagnose.report.page import page_of, value_of
 from cg2raw.diagnose.report.values import Shown
@@ -162,6 +170,66 @@ def test_a_card_tells_how_strong_an_effect_is(
 ):
     finding = replace(diagnosis.effects[0], sentence=sentence)
     assert value_of(finding, each) == (value, interval)
+
+
+def test_the_bar_of_a_gain_is_its_logarithm_over_that_of_the_largest(diagnosis):
+    largest, other = (one.gain_nats for one in diagnosis.effects)
+    shares = [next(page.side(one, diagnosis))[2] for one in diagnosis.effects]
+    assert shares == pytest.approx(
+        [100, 100 * math.log(1 + other) / math.log1p(largest)]
+    )
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "shown"),
+    [
+        (None, None, []),
+        ((0.1, 0.3), None, [("0.10 to 0.30", "unknown")]),
+        (None, (0.1, 0.3), [("", "0.10 to 0.30")]),
+    ],
+)
+def test_an_interval_of_the_gap_is_shown_where_it_is_known(before, after, shown):
+    gap = Gap(0.2, 0.2, 1.1, 1.1, [], before, after)
+    rows = page.numbers(made_up_diagnosis(**EMPTY, gap=gap))
+    assert [ends for name, *ends in rows if name == "95 % interval"] == list(
+        map(list, shown)
+    )
+
+
+@pytest.mark.parametrize(
+    ("count", "words"),
+    [
+        (1, "0.10 (r2)"),
+        (2, "0.10 (r2), 0.20 (r4)"),
+        (4, "0.10 (r2), 0.20 (r4) and 2 more"),
+    ],
+)
+def test_two_limits_of_an_effect_are_told_and_how_many_more(count, words):
+    names = ("r2", "r4", "r6", "tilt_x")[:count]
+    found = [
+        DetectionLimit("lens_shading", name, n / 10, "1")
+        for n, name in enumerate(names, 1)
+    ]
+    box = page.limits(made_up_diagnosis(**EMPTY | {"detection_limits": found}))
+    assert box.pairs == [("Lens shading", words)]
+
+
+def test_residual_tests_that_leave_most_come_first():
+    """After what was found; by what was before, where that is alike or not known."""
+    nats = {"a": (3.0, 0.1), "b": (1.0, 0.5), "c": (2.0, 0.1), "d": (9.0, math.nan)}
+    tests = [
+        [ResidualTest(name, 1.0, 0.5, each[n], "there") for name, each in nats.items()]
+        for n in range(2)
+    ]
+    both = {"tests_before": tests[0], "tests_after": tests[1][:-1]}
+    box = page.tests(made_up_diagnosis(**EMPTY | both))
+    [table] = box.tables
+    assert [row[0].lower() for row in table.rows] == ["b", "a", "c", "d"]
+    assert [row[2:4] for row in table.rows][::3] == [
+        ("1.0", "0.50"),
+        ("9.0", "\N{EN DASH}"),
+    ]
+    assert box.note.endswith("leaves more than 0.50 nats per pixel")
 
 
 def test_every_string_is_shown(diagnosis):
@@ -333,7 +401,7 @@ def test_eight_noisy_frames_make_at_most_half_a_megabyte(tmp_path):
 def test_the_next_best_explanation_is_named_or_a_doubt(diagnosis):
     rows = replace(
         diagnosis.effects[1],
-        alternatives=[Alternative("read_noise", 43.7)],
+        alternatives=[Alternative("dsnu", 9.0), Alternative("read_noise", 43.7)],
         ambiguous_with=[],
     )
     text = shown(replace(diagnosis, effects=[rows])).text
