@@ -7,8 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from cg2raw.calibration.measured import LinearFit
-from cg2raw.calibration.structure import correlated, fit_decay, glow
+from cg2raw.calibration.measured import LinearFit, Measured
+from cg2raw.calibration.structure import (
+    BiasStructure,
+    correlated,
+    fit_decay,
+    glow,
+    ramp_and_edge,
+)
 
 
 def test_a_decay_is_found_within_its_errors():
@@ -57,3 +63,55 @@ def test_neighbours_that_correlate_widen_errors(r):
         rest[n] = r * rest[n - 1] + rest[n] * math.sqrt(1 - r**2)
     found = correlated(LinearFit(np.zeros(0), np.zeros(0), rest, 1.0))
     assert found == pytest.approx(math.sqrt((1 + r) / (1 - r)), rel=0.02)
+
+
+def test_a_ramp_and_first_columns_are_found_within_their_errors():
+    """Of 400 columns with noise of 0.3 DN, a few of which are far off."""
+    at, away = np.arange(400), []
+    plain = 5 * ((at + 0.5) / 400 - 0.5)
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        profile = plain + 9 * np.exp(-at / 12) + 0.3 * rng.standard_normal(400)
+        profile[rng.integers(40, 400, 4)] += 20
+        ramp, edge, length, fitted = ramp_and_edge(profile)
+        assert (ramp.unit, edge.unit, length.unit) == ("DN", "DN", "px")
+        away.append(
+            [
+                (one.value - truth) / one.standard_error
+                for one, truth in ((ramp, 5), (edge, 9), (length, 12))
+            ]
+        )
+    assert fitted == pytest.approx(plain + 9 * np.exp(-at / 12), abs=0.4)
+    assert np.std(away, axis=0) == pytest.approx([1, 1, 1], rel=0.35)
+    assert np.abs(np.mean(away, axis=0)).max() < 0.6
+
+
+@pytest.mark.parametrize(
+    ("columns", "height", "with_edge"),
+    [(400, 0.0, True), (31, 9.0, True), (400, 9.0, False)],
+)
+def test_a_ramp_alone_is_a_straight_line(columns, height, with_edge):
+    """Where no columns differ, where they are too few, and of rows."""
+    at = np.arange(columns)
+    profile = 5 * ((at + 0.5) / columns - 0.5) + height * np.exp(-at / 12)
+    profile += 0.3 * np.random.default_rng(1).standard_normal(columns)
+    ramp, edge, length, fitted = ramp_and_edge(profile, with_edge)
+    assert edge is None and length is None
+    slope, middle = np.polyfit(at, fitted, 1)
+    assert fitted == pytest.approx(middle + slope * at)
+    assert ramp.value == pytest.approx(slope * columns)
+    if not height:
+        assert ramp.value == pytest.approx(5, abs=4 * ramp.standard_error)
+
+
+@pytest.mark.parametrize(("length", "is_longer"), [(20.0, False), (49.99, True)])
+def test_an_edge_as_long_as_any_that_is_tried_may_be_longer(length, is_longer):
+    """Of a sixth of 300 columns; of its mean over all, e-fold by e-fold."""
+    one = Measured(4.0, 0.1, "DN")
+    profiles = 4 * [np.zeros(300)]
+    found = BiasStructure(one, one, one, Measured(length, 0.1, "px"), *profiles)
+    assert found.edge_is_longer == is_longer
+    mean = 4 * (1 - np.exp(-300 / length)) / (1 - np.exp(-1 / length)) / 300
+    assert found.edge_mean == pytest.approx(mean)
+    without = BiasStructure(one, one, None, None, *profiles)
+    assert without.edge_mean == 0 and not without.edge_is_longer
