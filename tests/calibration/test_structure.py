@@ -54,6 +54,24 @@ def test_a_planted_glow_is_found_with_its_place(row, column):
     assert found.mean == pytest.approx(shine.mean(), rel=0.05)
 
 
+def test_a_glow_is_known_as_well_as_its_errors_say():
+    """By how much they differ in eight maps of noise, but for the row, which is at its
+    bound; noise alone has none."""
+    shape, found = (96, 128), []
+    away = np.hypot.outer(np.arange(96) + 0.5, np.arange(128) - 63.5) / 80  # px
+    for seed in range(8):
+        noise = 0.1 * np.random.default_rng(seed).standard_normal(shape)
+        one = glow(np.exp(-away / 0.3) + noise)
+        found.append([one.per_second, one.column, one.extent])
+        assert one.is_measured and one.certainty > 20
+    assert not glow(noise).stands_out
+    values, errors = (
+        np.array([[getattr(one, name) for one in each] for each in found])
+        for name in ("value", "standard_error")
+    )
+    assert values.std(axis=0) == pytest.approx(errors.mean(axis=0), rel=0.6)
+
+
 @pytest.mark.parametrize("r", [0.0, 0.5])
 def test_neighbours_that_correlate_widen_errors(r):
     """Of a series whose next values correlate by r, the mean's is (1 + r) / (1 - r)
