@@ -17,6 +17,15 @@ def test_the_variance_of_pixels_that_jump_is_that_of_their_steps():
     assert found == pytest.approx(expected, rel=0.01)
 
 
+def test_a_pattern_of_pixels_is_of_offsets_or_of_their_share_of_light():
+    light = np.array([[[0.0, 0.1, 0.5]]])
+    prnu, dsnu = (
+        effect(name).pattern_variance({"sigma": 0.02}, light, 3.0)
+        for name in ("prnu", "dsnu")
+    )
+    assert prnu == pytest.approx((0.02 * light) ** 2) and dsnu == 0.02**2
+
+
 def test_moments_of_dark_current_that_differs_are_those_of_its_law():
     uneven = effect("dark_current_nonuniformity")
     stated, seconds = {"rate": 0.02, "log_sigma": 0.5}, 3.0

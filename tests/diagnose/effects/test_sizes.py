@@ -147,6 +147,30 @@ def test_a_blur_is_said_by_the_contrast_of_its_cosines(ring, percent):
         ("pdaf_pixels", {"gain": -0.1, "pitch": 9.0}, "lack 10 % of the light"),
         ("pdaf_pixels", {"gain": 0.1, "pitch": 9.0}, "have 10 % more of the light"),
         ("dark_current_nonuniformity", {"log_sigma": np.log(2)}, "by a factor 2"),
+        ("mains_flicker", {"amplitude": 0.02, "period": 37.0}, "2 % of the light, one"),
+        ("mains_flicker", {"amplitude": 0.02, "period": 37.0}, "one wave in 37 rows"),
+        (
+            "hot_pixels",
+            {"fraction": 0.01, "rate": 0.01},
+            "1 % of the pixels are hot, by 161 DN (50 e-) per second",
+        ),
+        (
+            "random_telegraph_noise",
+            {"fraction": 0.02, "amplitude": 0.01},
+            "2 % of the pixels jump by 161 DN (50 e-)",
+        ),
+        ("full_well", {"below_white": 0.2}, "charge clips 20 % below white"),
+        ("read_noise_correlation", {"coefficient": 0.25}, "correlation 0.25 (0.25 to"),
+        (
+            "dust",
+            {"density": 3.0, "depth": 0.05, "radius": 4.0},
+            "3 spots per megapixel take 5 % of the light, of a radius of 4 px",
+        ),
+        (
+            "amplifier_glow",
+            {"per_second": 0.01, "row": -1.0, "column": 0.5, "extent": 0.25},
+            "161 DN (50 e-) per second at row -1.00, column +0.50",
+        ),
         (
             "amplifier_mismatch",
             {"vertical_offset": 0.01, "vertical_response": 0.02},
