@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.verdict.values import (
+    _moved,
     _of_levels,
     _of_well,
     _withheld,
     of_amplifiers,
 )
 from cg2raw.model.full_well import FullWell
+from cg2raw.model.values import Value
 from cg2raw.normal import CI95
 from diagnose.planted import sensor_of, stating
 
@@ -101,3 +103,12 @@ def test_a_full_well_is_told_below_white_beyond_what_the_profile_states(stated, 
     ends = (value, value - 0.01 * CI95, value + 0.01 * CI95)
     assert one[2:] == pytest.approx(ends)
     assert [*_of_well(found, {"prnu"})] == []
+
+
+def test_an_error_that_is_added_widens_both_ends_of_an_interval():
+    """In squares, each end by its own."""
+    one = Value("dsnu", "sigma", 0.02, 0.01, 0.05)
+    found = _moved(one, 2 * np.array(one[2:]), 0.01)
+    assert found[:3] == ("dsnu", "sigma", 0.04)
+    low, high = (np.hypot(half, 0.01 * CI95) for half in (0.02, 0.06))
+    assert found[3:] == pytest.approx((0.04 - low, 0.04 + high))
