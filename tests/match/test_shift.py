@@ -4,11 +4,19 @@
 
 import numpy as np
 import pytest
-from scipy.stats import kurtosis
+from scipy.stats import kurtosis, t
 
 from cg2raw.match import Levels, shift_between, shift_of
 from cg2raw.match.comparison import stops_words, times_words
-from cg2raw.match.shift import any_shape, normal, shape_of, shrunk, variance
+from cg2raw.match.shift import (
+    LEVEL,
+    any_shape,
+    intervals,
+    normal,
+    shape_of,
+    shrunk,
+    variance,
+)
 from tiers import first_fast
 
 NONE = np.empty(0)
@@ -143,6 +151,19 @@ def test_few_frames_have_intervals_that_hold_the_truth(count, monkeypatch):
         found = shift_between(renders, captures, seed)
         assert found.median_range[0] < 1.5 < found.median_range[1]
         assert found.spread_range[0] <= 0.7 < found.spread_range[1]
+
+
+def test_intervals_are_no_narrower_than_those_of_normal_levels():
+    """By Welch's degrees of freedom, of three levels each, of which the bootstrap is
+    one value here."""
+    found = 4.0, 1.0
+    renders, captures = np.array([0.0, 1.0, 2.0]), known(np.array([3.0, 5.0, 7.0]))
+    shares = np.array([1.0, 4.0]) / 3
+    freedom = shares.sum() ** 2 / (shares**2 / 2).sum()
+    half = t.ppf((1 + LEVEL) / 2, freedom) * np.sqrt(shares.sum())
+    of_median, (least, most) = intervals(found, renders, captures, 1, lambda *_: found)
+    assert of_median == pytest.approx((4 - half, 4 + half))
+    assert least == 0 and most > 10
 
 
 def test_it_is_the_same_each_time():

@@ -3,6 +3,7 @@
 """Sections of FITS images: overscan is taken off, amplifiers make one picture."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -252,3 +253,18 @@ def test_amplifiers_have_as_many_frames_each(tmp_path):
         file[2].data = file[2].data[:1]
     with pytest.raises(ValueError, match="its images have different numbers of frames"):
         fits_file.frames(str(path), "all")
+
+
+@pytest.mark.parametrize(
+    ("shape", "words"),
+    [
+        ((3, 4, 5), "is 5x4x3, 3 frames of 5x4"),
+        ((0, 5), "is 5x0, no picture"),
+        ((4, 0), "is 0x4, no picture"),
+        ((7,), "is 7, no picture"),
+    ],
+)
+def test_an_image_has_frames_of_some_pixels(shape, words):
+    assert fits_file._shape("a", SimpleNamespace(shape=(2, 4, 5))) == (2, (4, 5))
+    with pytest.raises(ValueError, match=f"a: its image {words}; must be one frame"):
+        fits_file._shape("a", SimpleNamespace(shape=shape))

@@ -9,7 +9,8 @@ import pytest
 from PIL import Image
 
 from cg2raw.diagnose.report import frame_images
-from cg2raw.diagnose.report.frame_images import cells_of, frame, frames, srgb
+from cg2raw.diagnose.report.frame_images import cells_of, frame, frames, rms, srgb
+from cg2raw.diagnose.report.text import number
 from diagnose.made_up_diagnosis import picture
 
 
@@ -66,3 +67,8 @@ def test_many_frames_are_reduced_until_they_fit(monkeypatch):
     assert sum(len(image.png) for image in images) <= 30_000
     assert {image.width for image in images} <= {60, 40, 30}
     assert frames([]) == []
+
+
+@pytest.mark.parametrize(("z", "words"), [([3.0, -4.0, np.nan], "3.5"), ([np.nan], "")])
+def test_the_root_mean_square_of_a_map_is_that_of_what_is_known(z, words):
+    assert rms(np.array(z)) == (words or number(None))
