@@ -4,6 +4,7 @@
 
 import json
 import os
+import platform
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +15,8 @@ import pytest
 from cg2raw import _core
 from cg2raw.cli import doctor as cli_doctor
 from cg2raw.oiio import hosts
-from cg2raw.oiio.plugin_file import plugin_api_of
+from cg2raw.oiio.elf import Library
+from cg2raw.oiio.plugin_file import misfit, plugin_api_of
 from conftest import OIIOTOOLS
 from python.commands import run, write_dng
 from tiers import slow
@@ -190,6 +192,71 @@ def test_a_truncated_plugin_is_damaged(plugin, version, monkeypatch, tmp_path):
     host = hosts.Host("oiiotool", SYSTEM_TOOL, version)
     found, *_ = cli_doctor.plugins_of(host, hosts.Trial(False, "", ""))
     assert "is damaged" in found.reason
+
+
+# Lines of LD_DEBUG=files.
+PLUGIN = "/p/dng.imageio.so"
+OPENED = (
+    f"7: file={PLUGIN} [0];  dynamically loaded by /usr/lib/libOpenImageIO.so [0]\n"
+)
+NEEDS = f"7: file=libtiff.so.6 [0];  needed by {PLUGIN} [0]\n"
+FOUND = "7: file=libtiff.so.6 [0];  generating link map\n"
+
+
+@pytest.mark.parametrize(
+    ("log", "reason"),
+    [
+        ("", ""),  # of another system's loader nothing is known
+        (f"{OPENED}{NEEDS}{FOUND}7: calling init: {PLUGIN}\n", ""),
+        (
+            "7: calling init: /other.so\n",
+            "was not opened, although it lies on the sear",
+        ),
+        (
+            OPENED + NEEDS,
+            f"does not load: libtiff.so.6 is not found, needed by {PLUGIN}",
+        ),
+        (
+            f"{OPENED}7: {PLUGIN}: error: symbol lookup error: no _Z3f (fatal)\n",
+            "does not load: symbol lookup error: no _Z3f",
+        ),
+        (OPENED + NEEDS + FOUND, "does not load: the dynamic loader refuses it"),
+        (
+            OPENED + OPENED.replace(PLUGIN, "/q.so") + NEEDS,  # those of another file
+            "does not load: the dynamic loader refuses it",
+        ),
+    ],
+)
+def test_what_the_loader_had_against_a_plugin(log, reason):
+    found = cli_doctor.loader_reason(PLUGIN, log)
+    assert found.startswith(reason) and bool(found) == bool(reason)
+
+
+@pytest.mark.parametrize(
+    ("library", "version", "folder", "reason"),
+    [
+        (("here", 27), "3.2.2.0", "oiio", ""),
+        (("here", 25), "2.4.7", "oiio-2.4", ""),
+        (("here", 99), "9.0", "oiio", ""),  # what is not known is left to OpenImageIO
+        (("m68k", 27), "3.2.2.0", "oiio", "is for m68k, this machine is here"),
+        (("here", None), "3.2.2.0", "oiio", "is no OpenImageIO plugin for dng"),
+        (
+            ("here", 25),
+            "3.2.2.0",
+            "oiio",
+            "is built for plugin API 25 (OpenImageIO 2.3 to 2.5); OpenImageIO 3.2.2.0 "
+            "wants 27",
+        ),
+        (("here", 25), "2.5.1", "oiio-2.4", "is built for OpenImageIO 2.4, not 2.5.1"),
+        (("here", 27), "3.2.0", "oiio-3.1", ""),  # one namespace since 3
+    ],
+)
+def test_a_plugin_that_does_not_fit_is_told_by_its_file(
+    monkeypatch, library, version, folder, reason
+):
+    monkeypatch.setattr(platform, "machine", lambda: "here")
+    found = misfit(Library(*library), version, f"/lib/cg2raw/{folder}/dng.imageio.so")
+    assert found.startswith(reason) and bool(found) == bool(reason)
 
 
 def test_it_lists_the_folders_and_ids_of_sensors(monkeypatch, tmp_path):
