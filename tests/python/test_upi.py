@@ -202,6 +202,8 @@ def test_gains_of_any_range():
     assert {draw.red_gain for draw in draws} == {2.0}
     blue = [draw.blue_gain for draw in draws]
     assert uniform_p(blue, 1.25, 1.75) > LEAST_P
+    ends = Upi("nikon-d40", gains=((0.01, 0.01), (100, 100))).draw(0)
+    assert (ends.red_gain, ends.blue_gain) == (0.01, 100)  # bounds are legal
     named = Upi("nikon-d40", gains="graphics2raw")
     ranges = Upi("nikon-d40", gains=((1.0, 3.3), (1.3, 4.4)))
     assert [named.draw(s).illuminant for s in range(9)] == [
@@ -218,6 +220,8 @@ BAD = [
     ({"gains": (1, 2)}, {}, "must be .* of red and blue"),
     ({"gains": ((1, 2), (0, 3))}, {}, "must be .* of red and blue"),
     ({"gains": ((1, 2), (1, float("nan")))}, {}, "must be .* of red and blue"),
+    ({"gains": ((1, 2), (1, 100.01))}, {}, "must be .* of red and blue, 0.01 to 100"),
+    ({"gains": ((0.0099, 2), (1, 2))}, {}, "must be .* of red and blue, 0.01 to 100"),
     ({"gains": ((2, 1), (1, 2))}, {}, "from low to high"),
     ({"noise": "loud"}, {}, "sensor or upi"),
     ({"digital_gain": "sample"}, {}, "upi"),
