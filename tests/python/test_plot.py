@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 import cg2raw
 from cg2raw.profile import plot, summary
 from dng import dng_files
+from oracles import cameras
 from python.commands import fails, run
 from tiers import first_fast
 
@@ -109,6 +110,31 @@ def test_the_locus_is_that_of_the_sensor():
     for row, word in ((0, "15000K"), (-1, "2000K")):
         red, _, blue = sensor.illuminant(word).neutral
         assert list(points[row]) == pytest.approx([red, blue], abs=1e-5)
+
+
+@pytest.mark.parametrize("unit", ["energy", "photon"])
+@pytest.mark.parametrize("mono", [False, True])
+def test_sensitivities_are_drawn_in_a_picture_of_their_own(unit, mono):
+    steps = np.arange(380.0, 781.0, 5.0)
+    curves = np.exp(-(((steps[:, None] - [600, 540, 460]) / 40) ** 2))
+    curves = np.repeat(curves[:, :1], 3, axis=1) if mono else curves
+    names = ["mono"] if mono else list("RGB")
+    field = {"unit": unit, "scale": 1.0, "wavelengths": steps.tolist()}
+    field |= {n: curves[:, i].tolist() for i, n in enumerate(names)}
+    text = cameras.mono_text if mono else cameras.profile_text
+    sensor = cg2raw.Sensor.from_json(text(spectral_sensitivities=field))
+    axes = Figure().add_subplot()
+    plot.draw_sensitivities(axes, sensor.spectral_sensitivities)
+    *lines, zero = axes.lines
+    assert len(lines) == len(names) and set(zero.get_ydata()) == {0.0}
+    for line, curve in zip(lines, curves.T, strict=False):
+        np.testing.assert_allclose(line.get_xydata(), np.column_stack([steps, curve]))
+    assert axes.get_xlim() == (380, 780)
+    words = {"energy": "radiant energy", "photon": "a photon"}[unit]
+    assert words in axes.get_ylabel()
+    if mono and unit == "energy":  # its one picture
+        height, width, _ = image.imread(io.BytesIO(plot.plot_png(sensor))).shape
+        assert (height, width) == (420, 960)  # 8 x 3.5 inches of 120 pixels
 
 
 def test_temperatures_stay_within_the_picture():
