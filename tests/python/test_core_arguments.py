@@ -194,6 +194,16 @@ def test_a_message_names_the_argument_its_value_and_what_it_may_be():
     )
 
 
+@pytest.mark.parametrize("bins", ["x", [400, "a"], [400.0, None], 5])
+def test_a_sequence_of_numbers_is_no_text_and_holds_no_other_values(bins):
+    light = SENSOR.profile.illuminant("A")
+    message = message_of(_core.SpectralResponse, SENSOR.profile, light, bins, 1.0)
+    assert message == (
+        f"SpectralResponse(): bins {bins!r} must be a SpectralChannels or a sequence "
+        "of numbers"
+    )
+
+
 def test_the_documentation_of_the_core_stays():
     assert inspect.getdoc(cg2raw.planckian_xy).startswith("planckian_xy(cct: ")
     assert cg2raw.planckian_xy.__name__ == "planckian_xy"
