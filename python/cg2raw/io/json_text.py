@@ -16,8 +16,8 @@ def formatted(fields: Any) -> str:
     def on_one_line(numbers: re.Match[str]) -> str:
         return "[" + ", ".join(re.split(r"[,\s]+", numbers.group(1).strip())) + "]"
 
-    text = json.dumps(fields, indent=2)
-    return re.sub(r"\[([-+0-9.eE,\s]+)\]", on_one_line, text) + "\n"
+    text = json.dumps(fields, indent=2)  # no text of it has a line end of its own
+    return re.sub(r"\[(\n[-+0-9.eE,\s]+)\]", on_one_line, text) + "\n"
 
 
 def checked(fields: Mapping[str, Any], name: str) -> tuple[_core.SensorProfile, str]:
