@@ -13,11 +13,12 @@ import pytest
 
 import cg2raw
 from cg2raw.synthetic import captures as synthetic_captures
-from cg2raw.synthetic import charge, conditions, light, scenes
+from cg2raw.synthetic import charge, conditions, light, memory, scenes, telegraph
 from cg2raw.synthetic.camera import camera_of
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.density import log_density
 from cg2raw.synthetic.measured import Measured
+from cg2raw.synthetic.posterior import Observation, posterior
 from cg2raw.synthetic.readout import Noise, blended, read_out
 from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
 from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS, _glow, draw_effect
@@ -222,6 +223,111 @@ def test_patterns_are_known_as_far_as_the_fit_frames_tell(sensor, name):
         ).sum()
         ignorant += log_density(one.raw(), *source.expected(shot, flat), *rest).sum()
     assert ignorant + 10 < feasible < knowing
+
+
+def test_what_is_known_of_a_pixel_by_those_before_it():
+    """Against the dense covariance of a row; a pixel that is not known tells nothing,
+    and those before it no more."""
+    rng = np.random.default_rng(5)
+    residual, variance = rng.normal(size=(1, 7)), rng.uniform(1, 2, (1, 7))
+    shared = np.zeros((1, 7))
+    shared[0, 1:] = rng.uniform(-0.5, 0.5, 6)
+    residual[0, 3] = np.nan
+    mean, less = memory.told_by_before(residual, variance, shared)
+    off = np.diag(shared[0, 1:], 1)
+    covariance = np.diag(variance[0]) + off + off.T
+    for col in range(7):
+        known = [n for n in range(col) if n != 3]
+        across = covariance[col, known]
+        weights = np.linalg.solve(covariance[np.ix_(known, known)], across)
+        assert mean[0, col] == pytest.approx(weights @ residual[0, known])
+        assert less[0, col] == pytest.approx(weights @ across)
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.3, -0.45])
+def test_noise_that_remembers_correlates_as_is_stated(correlation):
+    """Within four standard errors of 160,000 pixels; those two apart do not."""
+    rng = np.random.default_rng(6)
+    noise = memory.with_memory(rng, rng.standard_normal((400, 400)), correlation)
+    assert noise.var() == pytest.approx(1, abs=4 * 2 / 400)
+    for apart, expected in ((1, correlation), (2, 0.0)):
+        found = np.mean(noise[:, apart:] * noise[:, :-apart])
+        assert found == pytest.approx(expected, abs=4 * 1.5 / 400)
+
+
+def test_traps_switch_as_often_as_is_stated(camera):
+    hidden = {
+        "random_telegraph_noise": {"share": 0.3, "read_noises": 8.0, "switches": 0.2}
+    }
+    rng = np.random.default_rng(7)
+    traps = telegraph.traps_of(rng, (400, 400), hidden, camera)
+    trapped = traps.step > 0
+    assert trapped.mean() == pytest.approx(0.3, abs=4 * 0.46 / 400)
+    unit = float((camera.dn_per_electron * camera.read_noise).mean())
+    sizes = traps.step[trapped] / (8 * unit)  # exponential, cut at 4
+    assert sizes.max() <= 4 and sizes.mean() == pytest.approx(0.925, abs=0.02)
+    levels = [
+        telegraph.offsets(traps, n, lambda frame: np.random.default_rng(frame))
+        for n in range(4)
+    ]
+    for first, second in zip(levels, levels[1:], strict=False):
+        np.testing.assert_array_equal(np.abs(first), traps.step / 2)
+        switched = (first != second)[trapped].mean()
+        assert switched == pytest.approx(0.2, abs=4 * 0.4 / np.sqrt(trapped.sum()))
+    assert telegraph.traps_of(rng, (4, 4), {}, camera) is None
+
+
+def observed(rng, count, shape=(5, 4)):
+    """Return frames of pixels whose patterns are random, one of them clipped in one."""
+    frames = []
+    for number in range(count):
+        usable = np.ones(shape, bool)
+        usable[2, 1] = number > 0
+        slopes = tuple(rng.uniform(0.5, 2, shape) for _ in range(3))
+        frames.append(
+            Observation(
+                rng.normal(size=shape), rng.uniform(1, 3, shape), usable, slopes
+            )
+        )
+    return frames
+
+
+def test_patterns_of_a_pixel_are_those_of_linear_regression(camera):
+    """Gain and offset, of known variances: (1 / S + sum b b' / v)^-1 sum b r / v."""
+    read = float(camera.read_noise.mean())
+    hidden = {"prnu": {"sigma": 0.7}, "dsnu": {"read_noises": 1 / read, "shape": 3.0}}
+    frames = observed(np.random.default_rng(2), 3)
+    truth = charge.Patterns.none((5, 4))
+    found = posterior(frames, hidden, camera, truth)
+    for at in ((0, 0), (2, 1), (4, 3)):
+        seen = [one for one in frames if one.usable[at]]
+        b = np.array([[one.slopes[0][at], one.slopes[2][at]] for one in seen])
+        v = np.array([one.variance[at] for one in seen])
+        r = np.array([one.residual[at] for one in seen])
+        expected = np.linalg.inv(np.diag([0.7**-2, 1]) + (b / v[:, None]).T @ b)
+        mean = expected @ (b / v[:, None]).T @ r
+        assert found.covariance[at][np.ix_([0, 2], [0, 2])] == pytest.approx(expected)
+        assert found.covariance[at][1] == pytest.approx(0)  # no leak: it is known
+        assert [found.mean.gain[at], found.mean.offset[at]] == pytest.approx(mean)
+        slopes = tuple(np.full((5, 4), slope) for slope in (2.0, 5.0, 3.0))
+        unsure = np.array([2, 3]) @ expected @ np.array([2, 3])
+        assert found.variance(slopes)[at] == pytest.approx(unsure)
+
+
+def test_offsets_of_columns_are_weighted_means(camera):
+    read = float(camera.read_noise.mean())
+    hidden = {"column_fixed_pattern": {"read_noises": 0.8 / read}}
+    frames = observed(np.random.default_rng(3), 2)
+    found = posterior(frames, hidden, camera, charge.Patterns.none((5, 4)))
+    weight = sum(one.usable * one.slopes[2] ** 2 / one.variance for one in frames)
+    pull = sum(
+        one.usable * one.slopes[2] * one.residual / one.variance for one in frames
+    )
+    variance = 1 / (0.8**-2 + weight.sum(0))
+    assert found.column == pytest.approx(variance)
+    assert found.mean.column == pytest.approx(variance * pull.sum(0))
+    slopes = tuple(np.full((5, 4), 2.0) for _ in range(3))
+    assert found.variance(slopes) == pytest.approx(np.tile(4 * variance, (5, 1)))
 
 
 def test_densities_of_few_levels_add_up_to_one(camera):
