@@ -10,7 +10,7 @@ import pytest
 from cg2raw import cli
 from cg2raw.cli import make_parser
 from cg2raw.cli._messages import about_output
-from cg2raw.short_messages import shortened, words_of
+from cg2raw.short_messages import about, plural, shortened, words_of
 from python.commands import fails
 from tiers import slow
 
@@ -51,6 +51,30 @@ def test_beginning_and_end_are_kept():
     assert message.startswith("/place/file: x") and message.endswith("No space left")
     assert len(message) < LONGEST
     assert words_of(ValueError("a\nb")) == "a b"
+
+
+@pytest.mark.parametrize(
+    ("error", "words", "led"),
+    [
+        (OSError(28, "No space left", "a.json"), "a.json: No space left", False),
+        (OSError(28, "No space left"), "No space left", True),
+        (OSError("a.json: is a folder"), "a.json: is a folder", False),
+        (MemoryError("std::bad_alloc"), "not enough memory", True),
+        (MemoryError("b.exr: std::bad_alloc"), "b.exr: not enough memory", False),
+        (ValueError("no\nnumber"), "no number", False),
+    ],
+    ids=repr,
+)
+def test_an_error_names_its_file_or_the_output_once(error, words, led):
+    assert words_of(error) == about(None, error) == words
+    assert about("out", error) == ("out: " if led else "") + words
+
+
+def test_only_what_is_long_is_cut():
+    whole = "x" * 1900
+    assert shortened(whole) == whole
+    assert shortened(whole + "y").endswith("y") and len(shortened(whole + "y")) < 1900
+    assert [plural(n, "dark") for n in range(3)] == ["0 darks", "1 dark", "2 darks"]
 
 
 def test_what_lacks_memory_is_named():
