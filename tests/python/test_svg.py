@@ -93,6 +93,8 @@ def test_a_band_lies_to_both_sides_of_nothing():
     assert (down >= svg.TOP).all() and (down <= svg.BOTTOM).all()
     upper, lower = down[:3], down[:2:-1]
     np.testing.assert_allclose(upper + lower, 2 * down.mean(), atol=0.2)
+    narrow = [Mark("a", np.ones(2), half[:2], "band"), Mark("b", half, half, "solid")]
+    assert "<polygon" not in lines("noise", narrow, LABELS)  # of no width
 
 
 def test_bars_begin_at_nothing_and_have_rows_of_their_own():
@@ -122,6 +124,16 @@ def test_what_is_no_number_is_not_drawn():
     assert drawn.count("<circle") == 2 + 1 and "nan" not in drawn
     nothing = Mark("a", np.zeros(2), np.full(2, np.nan), "dots")
     assert lines("none", [nothing], LABELS) == bars("none", ["b"], [], "") == ""
+
+
+@pytest.mark.parametrize("style", ["dots", "solid"])
+def test_what_a_logarithmic_axis_has_no_place_for_is_not_drawn(style):
+    x, y = np.array([0.0, 1.0, 10.0, 100.0]), np.array([1.0, -1.0, 2.0, 3.0])
+    drawn = lines("log", [Mark("a", x, y, style)], LABELS, "log log")
+    same = lines("log", [Mark("a", x[2:], y[2:], style)], LABELS, "log log")
+    assert drawn == same
+    assert lines("log", [Mark("a", -x, y, style)], LABELS, "log linear") == ""
+    assert lines("linear", [Mark("a", -x, y, style)], LABELS) != ""
 
 
 def test_words_cannot_become_markup():

@@ -7,7 +7,7 @@ The same numbers give the same bytes."""
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from typing import Any
 
@@ -73,7 +73,7 @@ class Axis:
         """Return the pixels of values."""
         low, high, x = self.low, self.high, np.asarray(values, float)
         if self.is_log:
-            low, high, x = math.log(low), math.log(high), np.log(np.maximum(x, 1e-300))
+            low, high, x = math.log(low), math.log(high), np.log(x)
         found: Array = self.start + (x - low) / (high - low) * (self.end - self.start)
         return found
 
@@ -110,9 +110,6 @@ def tick_words(ticks: Sequence[float]) -> list[str]:
 def axis(values: Array, start: float, end: float, is_log: bool, room: float) -> Axis:
     """Return an axis on which values have room beyond their ends."""
     known = values[np.isfinite(values)]
-    known = known[known > 0] if is_log else known
-    if not known.size:
-        return Axis(1, 10, start, end, is_log) if is_log else Axis(0, 1, start, end)
     low, high = float(known.min()), float(known.max())
     if is_log:
         low, high = low / 10**room, high * 10**room
@@ -130,10 +127,11 @@ def lines(
 
     title : what is drawn, in words. labels : of x and y. scale : "log" or "linear"
     of x and of y."""
+    x_log, y_log = [word == "log" for word in (scale or "linear linear").split()]
+    marks = [on_scale(mark, x_log, y_log) for mark in marks]
     drawn = [mark.points for mark in marks if len(mark.points)]
     if not drawn:
         return ""
-    x_log, y_log = [word == "log" for word in (scale or "linear linear").split()]
     drawn += [mark.points * (1, -1) for mark in marks if mark.style == "band"]
     every = np.concatenate(drawn)
     x = axis(every[:, 0], LEFT, RIGHT, x_log, 0.0 if not x_log else 0.02)
@@ -143,6 +141,13 @@ def lines(
         if len(mark.points):
             parts += drawing(mark, x, y)
     return svg(title, parts, HEIGHT)
+
+
+def on_scale(mark: Mark, x_log: bool, y_log: bool) -> Mark:
+    """Return a mark without what a logarithmic axis has no place for."""
+    x, y = np.asarray(mark.x, float), np.asarray(mark.y, float)
+    legal = ((x > 0) | (not x_log)) & ((y > 0) | (not y_log))
+    return replace(mark, x=x[legal], y=y[legal])
 
 
 def axes(x: Axis, y: Axis, labels: tuple[str, str]) -> Iterator[str]:
