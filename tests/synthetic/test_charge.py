@@ -2,6 +2,8 @@
 # Copyright Contributors to the cg2raw Project.
 """Hidden effects of pixels and lines: charge, traps, amplifiers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -122,3 +124,82 @@ def test_a_lamp_on_rectified_mains(camera):
     whole = {"mains_flicker": values | {"exposed": 0.5}}
     even = 2 * np.abs(np.fft.rfft(charge.mosaic_light(rgb, whole, camera, 0.2)[:, 0]))
     assert even[4] / rows == pytest.approx(0.3) and even[8] < 1e-9  # two waves long
+
+
+def test_patterns_are_as_large_as_is_stated(camera):
+    """Within four standard errors of 160,000 pixels, 400 columns, 3200 hot pixels."""
+    read = float(camera.read_noise.mean())
+    hidden = {
+        "prnu": {"sigma": 0.02},
+        "dsnu": {"read_noises": 0.5, "shape": 3.0},
+        "column_fixed_pattern": {"read_noises": 0.3},
+        "hot_pixels": {"share": 0.02, "electrons_per_second": 50.0},
+    }
+    drawn = charge.patterns(np.random.default_rng(8), (400, 400), hidden, camera)
+    assert np.log1p(drawn.gain).std() == pytest.approx(0.02, rel=4 / 565)
+    assert drawn.offset.std() == pytest.approx(0.5 * read, rel=0.02)
+    assert np.mean(drawn.offset**3) / drawn.offset.std() ** 3 == pytest.approx(
+        2 / 3**0.5, rel=0.1
+    )  # a tail to one side, of a gamma of shape 3
+    assert drawn.column.std() == pytest.approx(0.3 * read, rel=0.1)
+    assert np.abs(drawn.column).max() < 3**0.5 * 0.3 * read
+    assert drawn.hot.mean() == pytest.approx(0.02, abs=4 * 0.14 / 400)
+    assert (drawn.leak > 0).sum() == drawn.hot.sum()
+    assert drawn.leak[drawn.hot].mean() == pytest.approx(50, rel=4 / 56)
+    uneven = {"electrons_per_second": 4.0, "skew": 1.0}
+    law = charge.uneven_dark(uneven)
+    assert law.median() == pytest.approx(4)
+    found = charge.patterns(
+        np.random.default_rng(9),
+        (400, 400),
+        {"dark_current_nonuniformity": uneven},
+        camera,
+    ).leak
+    assert abs(found.mean()) < 4 * law.std() / 400
+    assert np.median(found) + law.mean() == pytest.approx(4, rel=0.02)
+
+
+def test_charge_is_light_and_dark_current(camera):
+    rng = np.random.default_rng(4)
+    plane = charge.Patterns.none((4, 6))
+    fixed = replace(plane, gain=rng.normal(0, 0.1, (4, 6)), leak=rng.random((4, 6)))
+    x, full = rng.random((4, 6)), camera.over(camera.full_well, (4, 6))
+    light = full * x * (1 + fixed.gain)
+    hidden = {"dark_current": {"electrons_per_second": 3.0}}
+    for seconds in (0.0, 2.0):
+        found = charge.electrons(x, hidden, camera, fixed, seconds)
+        assert found == pytest.approx(light + (fixed.leak + 3) * seconds)
+    cold = replace(plane, leak=np.full((4, 6), -1.0))
+    assert (charge.electrons(0 * x, {}, camera, cold, 1.0) == 0).all()
+    values = {"electrons_per_second": 9.0, "down": 0.0, "across": 0.5}
+    glow = charge.glow(values | {"fades_over": 0.1}, (30, 40))  # of 50 px
+    assert glow[9, 19] / glow[4, 19] == pytest.approx(np.exp(-1), rel=0.01)
+    assert glow.max() == pytest.approx(9, rel=0.2) and glow[0, 19] == glow[0, 20]
+
+
+def test_without_charge_there_are_black_and_offsets(camera):
+    shape, gain = (4, 6), camera.over(camera.dn_per_electron, (4, 6))
+    black = camera.over(camera.black, shape)
+    rng = np.random.default_rng(5)
+    fixed = replace(
+        charge.Patterns.none(shape), offset=rng.normal(size=shape), column=rng.random(6)
+    )
+
+    def found(**hidden):
+        return charge.pedestal(hidden, camera, fixed, shape) - plain
+
+    plain = black + gain * (fixed.offset + fixed.column)
+    assert found() == pytest.approx(0)
+    shift = {"dn_00": 1.0, "dn_01": 2.0, "dn_10": 3.0, "dn_11": 4.0}
+    assert found(black_level=shift)[2:, 4:] == pytest.approx(np.array([[1, 2], [3, 4]]))
+    values = {"gain": 0.0, "read_noises": 2.0, "one_above_the_other": False}
+    step = gain * 2 * camera.read_noise.mean()
+    offsets = found(amplifier_mismatch=values)
+    assert offsets[:, :3] == pytest.approx(-step[:, :3] / 2)
+    assert offsets[:, 3:] == pytest.approx(step[:, 3:] / 2)
+    values = {"right_dn": 2.0, "down_dn": -6.0, "first_dn": 8.0, "half_px": 1.0}
+    structure = found(bias_structure=values)
+    assert structure[0] - structure[3] == pytest.approx(6)
+    settling = 8 * 0.5 ** np.arange(6)
+    expected = np.linspace(-1, 1, 6) + settling
+    assert structure.mean(0) == pytest.approx(expected)

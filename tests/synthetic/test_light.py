@@ -67,6 +67,19 @@ def test_a_lens_moves_mirrors_and_spreads():
     assert cast[0, 0] == pytest.approx([cosine**2, 1, 1 / cosine])
 
 
+def test_stray_light_fades_exponentially_or_is_even():
+    field = light.Field((121, 121), 0)
+    spot = np.zeros((121, 121, 3))
+    spot[60, 60] = 1
+    for even in (0.0, 1.0):
+        values = {"share": 0.1, "even": even, "wing_length": 10 / 121}
+        found = light.through_lens(spot, {"veiling_glare": values}, field)[..., 1]
+        assert found.sum() == pytest.approx(1)
+        fading = np.exp((30 - 10) / 10) if not even else 1
+        assert found[60, 70] / found[60, 90] == pytest.approx(fading, rel=0.02)
+        assert found[60, 70] / found[80, 60] == pytest.approx(fading**0.5, rel=0.02)
+
+
 def test_transfer_functions_are_those_of_optics():
     """A disc's first zero lies at 3.8317 / (2 pi r); an aperture passes 0.391 of half
     its cutoff, nothing from there on (Goodman, section 6.3)."""
