@@ -144,25 +144,26 @@ def test_densities_of_other_noise_add_up_to_one_too(noise):
     ids=str,
 )
 def test_densities_of_two_pixels_of_a_row_add_up_to_one(noise):
-    """And are those of a normal pair: their levels vary together as their noise does,
-    a row's offset by its range squared over 12."""
+    """And are those of a normal pair: their levels vary together as their read noise
+    does, and as a row's offset does, by its range squared over 12."""
     camera = camera_of(with_noise(drawn_sensor(3), 5000, 1.5, ISO), "D65", ISO)
-    black = camera.black[0, 0]
-    read = camera.dn_per_electron[0, 0] * camera.read_noise[0, 0]
-    reach = np.arange(-np.ceil(8 * read + 3), np.ceil(8 * read + 3) + 1)
+    gain, black, charge = camera.dn_per_electron[0, 0], camera.black[0, 0], 2.0
+    read = gain * camera.read_noise[0, 0]
+    reach = np.arange(-8.0, 12.0)
     pairs = np.stack(np.meshgrid(reach, reach), -1).reshape(-1, 2)
     pairs = pairs[: len(pairs) // 2 * 2]
     foot = camera.over(camera.black, pairs.shape)
     levels = (black + pairs).astype(np.uint16)
-    found = log_density(levels, np.zeros(pairs.shape), foot, noise, camera)
+    found = log_density(levels, np.full(pairs.shape, charge), foot, noise, camera)
     weights = np.exp(found.astype(float).sum(1))
     assert weights.sum() == pytest.approx(1, abs=2e-3)
     offset = (2 * noise.row * read) ** 2 / 12
-    together = weights @ (pairs[:, 0] * pairs[:, 1])
+    mean = gain * charge
+    assert weights @ pairs == pytest.approx([mean, mean], abs=0.02)
+    together = weights @ ((pairs[:, 0] - mean) * (pairs[:, 1] - mean))
     assert together == pytest.approx(noise.correlation * read**2 + offset, rel=0.03)
-    assert weights @ pairs[:, 0] ** 2 == pytest.approx(
-        read**2 + offset + 1 / 12, rel=0.03
-    )
+    alone = read**2 + gain**2 * charge + offset + 1 / 12
+    assert weights @ (pairs - mean) ** 2 == pytest.approx([alone, alone], rel=0.03)
 
 
 def test_densities_of_many_photons_add_up_to_one_too(camera):
