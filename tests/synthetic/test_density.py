@@ -4,10 +4,13 @@
 
 import numpy as np
 import pytest
+from scipy import stats
+from scipy.special import logsumexp
 
 from cg2raw.synthetic import charge, memory
 from cg2raw.synthetic.camera import camera_of
 from cg2raw.synthetic.density import log_density
+from cg2raw.synthetic.photons import photon_density
 from cg2raw.synthetic.posterior import Observation, posterior
 from cg2raw.synthetic.readout import Noise, blended, read_out
 from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
@@ -164,6 +167,27 @@ def test_densities_of_two_pixels_of_a_row_add_up_to_one(noise):
     assert together == pytest.approx(noise.correlation * read**2 + offset, rel=0.03)
     alone = read**2 + gain**2 * charge + offset + 1 / 12
     assert weights @ (pairs - mean) ** 2 == pytest.approx([alone, alone], rel=0.03)
+
+
+@pytest.mark.parametrize("excess", [1.0, 1.7])
+@pytest.mark.parametrize("charge", [0.0, 0.5, 30.0, 149.0, 400.0])
+def test_the_density_of_photons_is_that_of_all_their_numbers(charge, excess):
+    """From 150 photons on by a saddle point, whose next term is below 1e-3 there."""
+    gain, around = np.array([0.7, 0.9, 1.1]), np.array([1.0, 4.0, 9.0])
+    sd = np.sqrt(excess * charge + 4)
+    level = 64 + gain * (charge + np.linspace(-4, 4, 9)[:, None] * sd)
+    plane = np.ones_like(level)
+    found = photon_density(
+        level, charge * plane, 64 * plane, gain * plane, around * plane, excess
+    )
+    k = np.arange(1000)[:, None, None]
+    read = 64 + gain * (charge + np.sqrt(excess) * (k - charge))
+    exact = logsumexp(
+        stats.poisson.logpmf(k, max(charge, 1e-12))
+        + stats.norm.logpdf(level, read, np.sqrt(around + 1 / 12)),
+        axis=0,
+    )
+    assert found == pytest.approx(exact, abs=2e-3 if charge >= 150 else 1e-6)
 
 
 def test_densities_of_many_photons_add_up_to_one_too(camera):
