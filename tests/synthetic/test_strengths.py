@@ -35,6 +35,10 @@ SIZES = {
 
 
 NOT_ONE = ("black_level",)  # of which each site has another
+SIGNED = {
+    *("shot_noise", "read_noise", "read_noise_correlation", "lens_distortion"),
+    *("gr_gb_imbalance", "amplifier_mismatch"),
+}
 
 
 @pytest.mark.parametrize("name", [*KINDS, *UNKNOWN_KINDS])
@@ -47,7 +51,10 @@ def test_an_effect_is_as_strong_as_is_stated(camera, name):
         if name in SIZES:
             assert SIZES[name](values, unit) == pytest.approx(strength)
         elif name not in NOT_ONE:
-            assert strength in [pytest.approx(abs(one)) for one in values.values()]
+            sizes = [
+                one for one in values.values() if abs(one) == pytest.approx(strength)
+            ]
+            assert sizes and (name in SIGNED or sizes[0] > 0)
     drawn = [kind.random_strength(rng) for _ in range(400)]
     assert kind.low <= min(drawn) <= max(drawn) <= kind.high * (1 + 1e-12)
     middle = np.log(drawn).mean() - np.log(kind.low * kind.high) / 2
@@ -56,6 +63,17 @@ def test_an_effect_is_as_strong_as_is_stated(camera, name):
     for strength in (0.0, -1.0, 10.01 * kind.high, np.nan):
         with pytest.raises(ValueError, match=rf"of {name} \(.*\) must be above 0 and"):
             draw_effect(name, rng, camera, strength)
+
+
+@pytest.mark.parametrize("name", sorted(SIGNED))
+def test_either_sign_occurs(camera, name):
+    draws = [
+        draw_effect(name, np.random.default_rng(n), camera, 0.02) for n in range(20)
+    ]
+    signs = {
+        np.sign(v) for one in draws for v in one.values() if abs(abs(v) - 0.02) < 1e-9
+    }
+    assert signs == {-1, 1}
 
 
 def test_former_names_of_effects_are_told_the_new(camera):
