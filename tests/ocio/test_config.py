@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import OpenImageIO as oiio
@@ -83,6 +84,20 @@ def test_a_config_that_cannot_be_is_refused():
     ):
         with pytest.raises(ValueError, match=words):
             make_config(sensors, lights, **options)
+
+
+@pytest.mark.parametrize(
+    ("make", "family"),
+    [
+        ("NIKON CORPORATION", "RAW/Nikon"),
+        ("samsung", "RAW/Samsung"),
+        ("OmniVision Inc.", "RAW/OmniVision"),
+        ("a/b c", "RAW/A b"),  # no family of its own
+        ("", "RAW/Other"),
+    ],
+)
+def test_a_family_is_the_make_as_people_say_it(make, family):
+    assert names.family(SimpleNamespace(make=make)) == family
 
 
 def test_archive(config, tmp_path):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cg2raw import _core
-from cg2raw_ocio import export, measure
+from cg2raw_ocio import cube, export, measure
 from cg2raw_ocio.spaces import Exposure, camera_transform
 from ocio.conversion import camera, difference, pixels, system_python, through_file
 from python.commands import fails, run
@@ -89,6 +89,26 @@ def test_a_cube_holds_the_core_at_its_nodes(tmp_path, encoding):
         values = np.array([0, 0.0508761, 0.2140411, 0.5225216, 1])[nodes]
     expected = camera(*PAIRS[0], values.astype(np.float32))
     assert difference(rows, expected) <= 0.02
+
+
+def test_encodings_are_undone():
+    """At the ends, on both sides of the toe (IEC 61966-2-1), and between."""
+    linear = np.array([0.0, 0.0031308, 0.0031309, 0.18, 0.2140411, 1.0])
+    codes = cube.encoded_from(linear, "srgb")
+    assert codes[[0, 4, 5]] == pytest.approx([0, 0.5, 1], abs=1e-7)
+    assert codes[1] == pytest.approx(12.92 * 0.0031308)
+    for encoding in ("srgb", "linear"):
+        again = cube.linear_from(cube.encoded_from(linear, encoding), encoding)
+        assert again == pytest.approx(linear, abs=1e-7)
+    np.testing.assert_array_equal(cube.encoded_from(linear, "linear"), linear)
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [(0.0123456, "0.0123"), (99.96, "100"), (123.6, "124"), (7, "7")],
+)
+def test_errors_have_three_digits(value, words):
+    assert str(measure.Error(value, value)) == f"max {words} DN, mean {words} DN"
 
 
 @pytest.mark.parametrize("size", [17, 33])
