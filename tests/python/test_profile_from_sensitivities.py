@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import cg2raw
+from cg2raw.profile.from_sensitivities import on_colour
 from cg2raw.profile.lamps import calibration_illuminant, lamp_name
 from cg2raw.profile.spectral import profile_from_ssf
 from python.commands import fails, run, write_dng
@@ -101,6 +102,21 @@ def test_sensitivities_replace_the_colour_of_a_dng_and_no_more(ssf, tmp_path):
         assert now[name] == was[name]
     assert "ssf.csv" in now["sources"]["color_matrix_2"]
     assert not any("one matrix" in text for text in now["sources"].values())
+
+
+@pytest.mark.parametrize(
+    ("note", "goes"),
+    [
+        ("2 of 3 files record no white balance that LibRaw can read", True),
+        ("the colour matrices differ", True),
+        ("Neutrals lie on a line", True),
+        ("a.dng: CalibrationIlluminant1 is 255", True),
+        ("black levels differ from file to file", False),
+        ("2 files given more than once count once", False),
+    ],
+)
+def test_notes_on_the_colour_that_sensitivities_replace_go(note, goes):
+    assert on_colour(note) == goes
 
 
 def test_a_lamp_of_a_file_is_called_like_it(ssf, tmp_path):
