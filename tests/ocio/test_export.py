@@ -13,6 +13,7 @@ from cg2raw_ocio.spaces import Exposure, camera_transform
 from ocio.conversion import camera, difference, pixels, system_python, through_file
 from python.commands import fails, run
 
+NOT_PROTECTED = "Highlights are not protected: they take the colour of the light."
 PAIRS = [("samsung-s20fe", "A"), ("nikon-d40", "D65"), ("canon-600d", "sample:2")]
 
 
@@ -67,6 +68,9 @@ def test_a_clf_is_exact_below_highlights_and_says_what_is_above(
     (most, mean), (most_below, _) = errors(done.err)
     assert 1000 < most <= white * 1.001 and 0 < mean < most
     assert most_below <= 0.02 and "max" not in done.out
+    share = float(re.search(r"([\d.]+)% of \[0, 1\]\^3", done.err)[1])
+    assert share == pytest.approx(100 * below.mean(), abs=1)
+    assert NOT_PROTECTED in (tmp_path / "x.clf").read_text()
 
 
 def test_a_clf_of_unprotected_highlights_is_exact_everywhere(tmp_path):
@@ -74,6 +78,7 @@ def test_a_clf_of_unprotected_highlights_is_exact_everywhere(tmp_path):
     found = through_file(tmp_path / "x.clf", pixels())
     expected = camera(*PAIRS[0], pixels(), highlights=False)
     assert difference(found, expected) <= 0.02 and len(errors(done.err)) == 1
+    assert NOT_PROTECTED not in (tmp_path / "x.clf").read_text()
 
 
 @pytest.mark.parametrize("encoding", ["linear", "srgb"])
