@@ -259,6 +259,43 @@ def test_a_plugin_that_does_not_fit_is_told_by_its_file(
     assert found.startswith(reason) and bool(found) == bool(reason)
 
 
+@pytest.mark.parametrize(
+    ("version", "names", "told"),
+    [
+        ("2.4.7", ("OIIO_LIBRARY_PATH", "LD_LIBRARY_PATH"), "OIIO_LIBRARY_PATH"),
+        ("2.5.18", ("OIIO_LIBRARY_PATH", "LD_LIBRARY_PATH"), "OIIO_LIBRARY_PATH"),
+        *(
+            (
+                version,
+                ("OIIO_LIBRARY_PATH", "OPENIMAGEIO_PLUGIN_PATH"),
+                "OPENIMAGEIO_PLUGIN_PATH",
+            )
+            for version in ("2.6.0", "3.2.2")
+        ),
+    ],
+)
+def test_a_host_searches_by_the_variables_of_its_version(
+    monkeypatch, version, names, told
+):
+    for name in SEARCHED:
+        monkeypatch.setenv(name, f"/{name}/a::/{name}/b")
+    host = hosts.Host("oiiotool", "/x/oiiotool", version)
+    assert host.search == [(n, f"/{n}/{end}") for n in names for end in "ab"]
+    assert host.variable == told
+
+
+def test_programs_are_the_executable_ones_once(monkeypatch, tmp_path):
+    for name, mode in (("a", 0o755), ("b", 0o644), ("c", 0o755)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "made-up").touch(mode=mode)
+    (tmp_path / "link").symlink_to("a")
+    places = [str(tmp_path / name) for name in ("link", "b", "c", "a")]
+    monkeypatch.setenv("PATH", os.pathsep.join(places))
+    found = [str(tmp_path / name / "made-up") for name in ("a", "c")]
+    assert hosts.programs("made-up") == found
+    assert hosts.ask([found[0]]) is None and hosts.ask(["/none"]) is None
+
+
 def test_it_lists_the_folders_and_ids_of_sensors(monkeypatch, tmp_path):
     monkeypatch.setenv("CG2RAW_PROFILE_PATH", str(tmp_path))
     monkeypatch.setattr(hosts, "find_hosts", list)
