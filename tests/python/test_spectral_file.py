@@ -10,7 +10,12 @@ import pytest
 import cg2raw
 from cg2raw import _core
 from cg2raw.profile.spectral import neutral_under, profile_from_ssf, spectral_field
-from cg2raw.profile.spectral_file import WAVELENGTHS, read_sensitivities
+from cg2raw.profile.spectral_file import (
+    WAVELENGTHS,
+    Sensitivities,
+    SpectralTable,
+    read_sensitivities,
+)
 from python.spectra import SENSOR, camera_json, three_lobes
 from tiers import slow
 
@@ -51,6 +56,26 @@ def test_a_profile_keeps_the_wavelengths_that_were_measured(written):
     assert field["wavelengths"] == fine.tolist()
     assert field["R"] == pytest.approx(curves[0] / np.max(curves), abs=1e-6)
     assert field["scale"] == pytest.approx(np.max(curves), rel=1e-12)
+
+
+def table_of(wavelengths):
+    """Return Sensitivities that are measured there, each its wavelength over 800."""
+    rgb = np.repeat(np.asarray(wavelengths, float)[:, None] / 800, 3, axis=1)
+    return Sensitivities("t.csv", rgb, table=SpectralTable(np.array(wavelengths), rgb))
+
+
+def test_rows_that_lie_anywhere_farther_apart_than_5_nm_give_way_to_a_curve():
+    fine = np.arange(380.0, 781.0, 2.5)
+    five = np.arange(380.0, 781.0, 5.0)
+    for rows, kept in (
+        (fine, fine),
+        (five, five),
+        (np.delete(fine, [40, 41]), five),  # 2.5 nm, and once 7.5 nm
+        (five[::2], five),
+    ):
+        field = spectral_field(table_of(rows))
+        assert field["wavelengths"] == kept.tolist()
+        assert field["G"] == pytest.approx(kept / 800, abs=1e-6)
 
 
 def test_a_profile_has_0_where_nothing_was_measured(written):
