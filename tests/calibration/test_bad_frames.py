@@ -34,7 +34,7 @@ def frame(array, kind="dark"):
         ([*FRAMES, frame(np.full((64, 96), 2**15, np.uint16))], "does not fit into"),
         ([replace(FRAMES[2], exposure_time=None), *FRAMES], "no exposure time"),
         ([replace(FRAMES[0], kind="flat"), *FRAMES[1:]], "is it a dark?"),
-        ([*FRAMES, frame(BRIGHT // 16 * 16, "flat")], "only every 16th DN occurs"),
+        ([*FRAMES, frame(BRIGHT // 16 * 16, "flat")], "only one in 16 DN occurs"),
         ([*FRAMES, frame(np.minimum(BRIGHT // 32, 255), "flat")], "an 8-bit copy"),
     ],
 )

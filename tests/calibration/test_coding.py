@@ -99,7 +99,7 @@ def test_frames_that_are_coded_unlike_are_refused():
     plain, scaled = (
         frames_of(in_upper_bits(step), 0.25, 12.0, (8000,)) for step in (1, 16)
     )
-    with pytest.raises(ValueError, match="only every 16th DN occurs, in other frames"):
+    with pytest.raises(ValueError, match="only one in 16 DN occurs, in other frames"):
         calibrate(WORD, [*plain[:6], replace(scaled[-1], raw=scaled[-1].raw)])
 
 

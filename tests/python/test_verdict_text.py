@@ -48,7 +48,7 @@ def test_a_check_is_a_table_and_what_is_wrong():
         "d.dng  dark   -    -       -            60   64.3   90    0.00%  0.00%    "
         "all                     -",
         "s.dng  scene  800  0.25 s  21.5 C       0    700.0  4095  0.12%  50.00%   "
-        "every 4th, 30% missing  -0.25 +1.00 px, corr. 0.99",
+        "one in 4, 30% missing  -0.25 +1.00 px, corr. 0.99",
         "note      given",
         "note      d.dng: is cold",
         "note      one series",

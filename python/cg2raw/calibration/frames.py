@@ -180,7 +180,7 @@ def in_steps(scanned: Sequence[Scanned], white: int) -> tuple[int, list[Scanned]
     for item in scanned:
         if item.step > step and item.codes >= FEWEST_CODES:
             raise ValueError(
-                f"{item.frame.name}: only every {item.step}th DN occurs, in other "
+                f"{item.frame.name}: only one in {item.step} DN occurs, in other "
                 "frames DN between: scaled from fewer bits, or companded; give frames "
                 "that are coded alike, the camera's own RAW"
             )

@@ -177,7 +177,7 @@ def integrity_text(sensor: "Sensor", found: "Check", notes: Sequence[str]) -> st
 
 def code_words(item: "Integrity") -> str:
     """Return which codes occur."""
-    every = "all" if item.step == 1 else f"every {item.step}th"
+    every = "all" if item.step == 1 else f"one in {item.step}"
     return every if item.missing < HOLES else f"{every}, {item.missing:.0%} missing"
 
 

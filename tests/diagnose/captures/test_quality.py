@@ -110,8 +110,8 @@ def dark(folder, values):
     [
         (3.0, 1, "", ""),
         (0.3, 1, "", "its read noise is below 0.4 DN: its size and tails"),
-        (3.0, 4, "only every 4th code occurs: scaled from fewer bits", ""),
-        (0.7, 16, "only every 16th code occurs: scaled from fewer bits", ""),
+        (3.0, 4, "only one in 4 codes occurs: scaled from fewer bits", ""),
+        (0.7, 16, "only one in 16 codes occurs: scaled from fewer bits", ""),
         (0.15, 16, "codes occur, most of them without a neighbour: a copy of few", ""),
         (3.0, 1.5, "of the codes between frequent ones are missing", ""),
     ],

@@ -161,7 +161,7 @@ def code_complaints(
     counts : of codes in the steps that the profile states."""
     if found.step > step_of(sensor):
         return [
-            f"only every {found.step}th code occurs: scaled from fewer bits; if this "
+            f"only one in {found.step} codes occurs: scaled from fewer bits; if this "
             "is the camera's own RAW, cg2raw calibrate puts that into its profile"
         ]
     if codes.isolated(counts) > ALONE and found.low < found.high:
