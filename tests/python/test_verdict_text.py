@@ -44,9 +44,9 @@ def test_a_check_is_a_table_and_what_is_wrong():
     assert integrity_text(SENSOR, checked(("is blurred",)), ["given"]).splitlines() == [
         "acme: black 64, 64.5 DN, white 4095 DN",
         "frame  kind   ISO  time    temperature  low  mean   high  at 0   clipped  "
-        "codes                   registration",
+        "codes                  registration",
         "d.dng  dark   -    -       -            60   64.3   90    0.00%  0.00%    "
-        "all                     -",
+        "all                    -",
         "s.dng  scene  800  0.25 s  21.5 C       0    700.0  4095  0.12%  50.00%   "
         "one in 4, 30% missing  -0.25 +1.00 px, corr. 0.99",
         "note      given",

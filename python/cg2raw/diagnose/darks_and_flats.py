@@ -45,6 +45,7 @@ from cg2raw.sensor import Sensor
 from cg2raw.statistics.constant import Array, ConstantStatistics
 
 TRAINING, VALIDATION, TEST = GROUPS
+BLACK = "black_level"
 NOISE_TABLE = ("read_noise", "shot_noise")  # what a profile without noise says not
 
 
@@ -184,13 +185,15 @@ def darks_and_flats(
     of_levels = gains_of_levels(named, False)
     gains, alike = {**found.gains, **of_levels}, dict(found.alike)
     needed = {name for name, gain in of_levels.items() if gain > least}
-    for shading in OF_LENS:  # too little to be named, it may move a mean all the same
-        if needed and shading in found.gains and shading not in named:
-            again = gains_of_levels([*named, shading], True)
-            left = {name for name, gain in again.items() if gain > least}
-            if left < needed:
-                alike |= {n: (*alike.get(n, ()), shading) for n in needed - left}
-                needed = left
+    # What is too little to be named, or not shown without darks, may move levels.
+    doubted = {*OF_LENS} & found.gains.keys() - {*named}
+    doubted |= {BLACK} if both.is_flat.all() else set()
+    for other in sorted(doubted, reverse=True):
+        again = gains_of_levels([*named, other], True) if needed else {}
+        left = {name for name, gain in again.items() if gain > least}
+        if left < needed:
+            alike |= {n: (*alike.get(n, ()), other) for n in needed - left}
+            needed = left
     if frames.well is not None:
         gains[WELL] = _nats_of_well(frames.well, sensor)
     if amplifiers.errors:
@@ -279,6 +282,7 @@ def levels_of(
         is_colored="color_shading" in named,
         shaded=stated.mean,
         is_slight=is_slight,
+        is_black_free=BLACK in named and bool(statistics.is_flat.all()),
     )
 
 

@@ -178,6 +178,7 @@ def flat_levels(
     is_colored: bool = False,
     shaded: Array | None = None,
     is_slight: bool = False,
+    is_black_free: bool = False,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none.
 
@@ -188,7 +189,8 @@ def flat_levels(
     towards the corners, of colours differently: then levels are those of the middle of
     the frame. shaded : (sites,) the mean of a stated shading, which mean images lack,
     over that in the middle. is_slight : the light falls off by the square of the
-    distance from the middle, as what is too little to be named may do."""
+    distance from the middle, as what is too little to be named may do. is_black_free :
+    the black level of each site may be anything."""
     if shaded is None:
         shaded = np.ones(len(predicted))
     predicted = predicted * shaded[:, None]
@@ -216,6 +218,8 @@ def flat_levels(
     of_site, one_light = 1 / light_of.ravel(), np.equal.outer(flat, flat)
     of_sites = np.outer(of_site, of_site)
     covariance += of_sites * blacks[np.ix_(site, site)]
+    if is_black_free:
+        covariance += of_sites * np.equal.outer(site, site) * white**2
     drift = max(float(found.theta[found.parameters.of("black_level_drift")]), 0.0)
     covariance += of_sites * one_light * drift / frames[flat]
     # The mean of the pixels' sensitivity is not quite 1.

@@ -212,6 +212,15 @@ def test_shading_too_weak_to_be_seen_may_move_the_mean(hidden, alike):
         assert "falls off from the middle" in sentence
 
 
+@pytest.mark.parametrize(("levels", "alike"), [(1, ["black_level"]), (2, [])])
+def test_flats_of_one_level_alone_do_not_tell_light_from_the_black_level(levels, alike):
+    captures = captures_of(1, drawn_sensor(101), exposure=0.02)
+    kept = [c for c in captures.captures if c.kind == "flat"]
+    kept = [c for c in kept if int(c.name.split("_")[2]) < levels]
+    [found] = diagnose(replace(captures, captures=kept), details=False).effects
+    assert (found.name, found.ambiguous_with) == ("exposure", alike)
+
+
 def test_frames_of_another_iso_or_temperature_are_left_out(consistent):
     found, _ = consistent
     for what in ("ISO", "temperature"):

@@ -18,7 +18,7 @@ class WhiteBalance(Effect):
     def size(self, values: Estimates) -> str:
         return (
             f"red is {value_of(values, 'red'):+.2%} and blue "
-            f"{value_of(values, 'blue'):+.2%} of what the model says"
+            f"{value_of(values, 'blue'):+.2%} off what the model says"
         )
 
 
