@@ -10,7 +10,7 @@ import pytest
 
 from calibration.planted import BLACK, frames_of, sensor_of
 from cg2raw.calibration import UniformFrame, calibrate
-from cg2raw.calibration.frames import by_level, groups_of, scan, screened
+from cg2raw.calibration.frames import by_level, groups_of, in_steps, scan, screened
 from cg2raw.calibration.sites import sites_of
 
 SENSOR = sensor_of({"prnu": {"sigma": 0.01}}, shape=(64, 96))
@@ -113,3 +113,33 @@ def test_a_first_look_is_at_levels_noise_and_ends_of_codes(step):
 )
 def test_flats_whose_levels_differ_by_no_more_than_5_percent_repeat(levels, groups):
     assert by_level(range(len(levels)), levels) == groups
+
+
+def looked_at(step, name="a", top=None):
+    """Return a first look at a flat of codes that are so many DN apart. top : DN of a
+    tenth of the pixels."""
+    raw = step * np.rint(np.random.default_rng(3).normal(500, 20, (64, 96)))
+    if top is not None:
+        raw.flat[::10] = top
+    frame = UniformFrame(name, "flat", lambda: raw.astype(np.uint16))
+    return scan(frame, sites_of(SENSOR), SENSOR)
+
+
+@pytest.mark.parametrize(("steps", "common"), [((4, 4), 4), ((1, 1), 1)])
+def test_frames_have_one_step_of_codes(steps, common):
+    step, found = in_steps([looked_at(n) for n in steps], SENSOR.white_level)
+    assert step == common and len(found) == 2
+
+
+def test_a_frame_of_wider_steps_than_others_is_refused():
+    with pytest.raises(
+        ValueError, match="b: only every 4th DN occurs, in other frames"
+    ):
+        in_steps([looked_at(1), looked_at(4, "b")], SENSOR.white_level)
+
+
+@pytest.mark.parametrize(("top", "share"), [(16380, 0.1), (16376, 0.0), (16383, 0.1)])
+def test_the_last_code_of_a_step_below_white_is_saturated(top, share):
+    """Of 4 DN: no code is between 16380 and white at 16383."""
+    _, [found] = in_steps([looked_at(4, top=top)], SENSOR.white_level)
+    assert found.saturated == pytest.approx(share, abs=1e-3)
