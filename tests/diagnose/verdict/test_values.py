@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cg2raw.diagnose.verdict.values import (
+    _before_reduction,
     _moved,
     _of_levels,
     _of_well,
@@ -15,6 +16,7 @@ from cg2raw.diagnose.verdict.values import (
     of_amplifiers,
 )
 from cg2raw.model.full_well import FullWell
+from cg2raw.model.lags import variance_left, variance_left_of_lines
 from cg2raw.model.values import Value
 from cg2raw.normal import CI95
 from diagnose.planted import sensor_of, stating
@@ -112,3 +114,29 @@ def test_an_error_that_is_added_widens_both_ends_of_an_interval():
     assert found[:3] == ("dsnu", "sigma", 0.04)
     low, high = (np.hypot(half, 0.01 * CI95) for half in (0.02, 0.06))
     assert found[3:] == pytest.approx((0.04 - low, 0.04 + high))
+
+
+def test_deviations_are_told_as_they_were_before_a_stated_filter_lowered_them():
+    """Of frames without repeats, which show no filter: the profile's. Factors of its
+    noise have it in both."""
+    single = SimpleNamespace(
+        pairs=np.zeros(3, int), planes=[SimpleNamespace(shape=(40, 50))]
+    )
+    stated = {"noise_reduction": {"blend": 0.3, "diagonal": 0.1}}
+    found = SimpleNamespace(
+        statistics=SimpleNamespace(of_splits=lambda splits: single),
+        captures=SimpleNamespace(sensor=stating(SENSOR, stated)),
+        both=None,
+        profile=None,
+    )
+    given = [
+        Value("dsnu", "sigma", 0.02, 0.01, 0.03),
+        Value("row_noise", "sigma", 0.02, 0.01, 0.03),
+        Value("read_noise", "log_variance", 0.5, 0.4, 0.6),
+        Value("dark_current", "per_second", 0.2, 0.1, 0.3),
+    ]
+    values = in_order(_before_reduction(found, [], given))
+    left = variance_left(0.3, 0.1), variance_left_of_lines(0.3, 0.1), 1.0, 1.0
+    for one, share in zip(given, left, strict=True):
+        expected = np.array(one[2:]) / np.sqrt(share)
+        assert values[one.effect, one.parameter] == pytest.approx(expected)
