@@ -14,9 +14,11 @@ SENSOR = sensor_of()
 
 @pytest.fixture(scope="module")
 def curves():
-    """Return the curves, by title, of four flats that lose a third in the corners."""
+    """Return the curves, by title, of four flats that lose a third in the corners, and
+    a dark, which has none."""
     model = model_of(SENSOR, lens_shading=[-0.3, 0.0, 0.0])
     captures = [capture_of("flat", n, name=f"flat {n}") for n in range(4)]
+    captures.append(capture_of("dark", 9))
     frames = drawn(frames_of(SENSOR, captures), model, 5)
     values = {"r2": -0.3, "r4": 0.0, "r6": 0.0}
     shading = {name: Estimate(x, "1", (x, x)) for name, x in values.items()}

@@ -3,13 +3,14 @@
 """What is left is said, and nothing of noise."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from cg2raw.diagnose.diagnosis import STRUCTURE
 from cg2raw.diagnose.scenes.model import Model
-from cg2raw.diagnose.scenes.pictures import pictures_of, scale_of
+from cg2raw.diagnose.scenes.pictures import histogram, pictures_of, scale_of
 from cg2raw.diagnose.scenes.point import Excess, point_of
 from cg2raw.diagnose.scenes.predict import predict
 from cg2raw.diagnose.scenes.residuals import Residuals
@@ -183,3 +184,11 @@ def test_residual_maps_have_the_noise_of_a_frame():
     assert np.nanstd(picture.z_after) == pytest.approx(1, abs=0.15)
     assert abs(np.nanmean(picture.z_after)) < 0.3
     assert np.nanmean(picture.z_before) < -2  # less light than predicted
+
+
+def test_residuals_are_counted_where_they_count_the_farthest_at_the_ends():
+    z, root = np.array([[-99.0, 0.01, 99.0, 5.0]]), np.array([[1.0, 2.0, 1.0, 0.0]])
+    edges, counts = histogram([SimpleNamespace(z=z, root=root)] * 2)
+    at = [0, np.searchsorted(edges, 0.01) - 1, len(counts) - 1]
+    assert counts.sum() == 6 and counts[at].tolist() == [2, 2, 2]
+    assert histogram([])[1].sum() == 0
