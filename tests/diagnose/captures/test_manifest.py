@@ -2,6 +2,9 @@
 # Copyright Contributors to the cg2raw Project.
 """A bad manifest is told by its line, its field, and what would be right."""
 
+import os
+import sys
+
 import numpy as np
 import pytest
 
@@ -170,3 +173,16 @@ def test_paths_are_relative_to_the_manifest(folder, monkeypatch):
     monkeypatch.chdir(folder)
     [entry] = read_manifest(written(folder, DARK).name).frames
     assert open_raw(entry.file).header.shape == (8, 8)
+
+
+def test_a_library_that_is_missing_is_named(folder, monkeypatch):
+    monkeypatch.setitem(sys.modules, "yaml", None)
+    with pytest.raises(ValueError, match=r"cg2raw\[diagnose\]"):
+        read_manifest(written(folder, DARK))
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes")
+def test_a_pipe_is_no_frame(folder):
+    os.mkfifo(folder / "pipe.npy")
+    said = refusal(folder, DARK.replace("dark.npy", "pipe.npy"))
+    assert ':3: frames[0].file is "pipe.npy", no regular file; name one that is' in said
