@@ -51,7 +51,6 @@ def table_file(entry: FrameEntry, sensor: Sensor) -> TableFile:
         means, notes = patch_means_of(entry, sensor)
     except OSError as error:
         entry.fail("file", f"cannot be used: {error}")
-        raise
     header = RawHeader(
         entry.file, Area("patches", 0, 0, *means.mean.shape), notes=tuple(notes)
     )

@@ -98,7 +98,6 @@ def sensor_notes(entry: FrameEntry, file: RawFile, sensor: Sensor) -> list[str]:
         return check_sensor(file.header, sensor)
     except ValueError as error:
         entry.fail("file", f"{error}")
-        raise
 
 
 def check_settings(frames: Sequence[Frame]) -> None:

@@ -5,6 +5,7 @@
 
 import os
 from dataclasses import dataclass, field
+from typing import NoReturn
 
 from cg2raw.diagnose.captures.capture import KINDS, NUISANCES, Capture, Group, Kind
 from cg2raw.diagnose.captures.manifest_charts import (
@@ -75,7 +76,7 @@ class FrameEntry:
     means: MeansEntry | None = None
     image: str | None = None
 
-    def fail(self, name: str, message: str) -> None:
+    def fail(self, name: str, message: str) -> NoReturn:
         """Raise ValueError at a field of the frame, or at the frame."""
         self.at.get(name, self.at[""]).fail(message)
 

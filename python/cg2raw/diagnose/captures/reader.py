@@ -120,7 +120,6 @@ def file_of(entry: FrameEntry, sensor: Sensor) -> RawFile:
         return open_raw(entry.file, entry.image)
     except (ValueError, OSError) as error:
         entry.fail("file", f"cannot be used: {error}")
-        raise
 
 
 def frame_of(
