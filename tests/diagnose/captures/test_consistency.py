@@ -164,6 +164,7 @@ def test_what_captures_cannot_tell_is_said(tmp_path, frames, words):
         ((-5.0, -4.82), None),
         ((-5.0, -3.5), None),  # 1.5 C exactly
         ((None, -5.0), None),
+        ((0.5, 0.0, 3.0), "at 0 C in 1.npy and at 3 C in 2.npy: dark current, which"),
         # 2 to the power of 7 / 7 and of 7 / 5
         ((20.0, None, 27.0, 24.0), "at 20 C in 0.npy and at 27 C in 2.npy: dark current"
          ", which doubles every 5 to 7 C, is 2 to 2.64 times as large there"),
