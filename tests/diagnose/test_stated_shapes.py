@@ -13,22 +13,27 @@ from diagnose.planted import sensor_of, stating
 
 SHAPE, FRAMES = (64, 96), 4
 BLACK, LIGHT, NOISE = 300.0, 5000.0, 3.0  # DN
-RAMP, FALL = 60.0, -0.3  # DN from the left edge to the right one; of light, by radius^2
+RATE, RAMP = 50.0, 60.0  # DN/s of dark current; DN from the left edge to the right one
+FALL = {"r2": -0.4, "r4": 0.3}  # of light, by powers of the radius
+DARKS_AND_FLATS = ("dark", 1.0, 0.0), ("dark", 9.0, 0.0), ("flat", 9.0, LIGHT)
 PLAIN = sensor_of(black_level=[BLACK] * 4)
 RADIUS = np.hypot(*np.meshgrid(*(np.arange(n) + 0.5 - n / 2 for n in SHAPE[::-1])))
-SHADING = 1 + FALL * (RADIUS / (np.hypot(*SHAPE) / 2)) ** 2
+SQUARE = (RADIUS / (np.hypot(*SHAPE) / 2)) ** 2
+SHADING = 1 + FALL["r2"] * SQUARE + FALL["r4"] * SQUARE**2
 OFFSET = RAMP * ((np.arange(SHAPE[1]) + 0.5) / SHAPE[1] - 0.5) * np.ones(SHAPE)
 
 
 def statistics_of(offset, shading):
-    """Return those of darks and flats with an offset, DN, and a shading of light."""
+    """Return those of darks of two times, and of flats, with an offset, DN, and a
+    shading of light."""
     rng, groups = np.random.default_rng(1), []
-    for kind, light in (("dark", 0.0), ("flat", LIGHT)):
-        mean = BLACK + offset + light * shading
+    for kind, seconds, light in DARKS_AND_FLATS:
+        mean = BLACK + offset + RATE * seconds + light * shading
         frames = mean + NOISE * rng.standard_normal((FRAMES, *SHAPE))
         names = tuple(f"{kind}-{n}" for n in range(FRAMES))
         codes = np.rint(frames).astype(np.uint16)
-        groups.append((GroupInfo(kind, names, 1.0), [lambda c=c: c for c in codes]))
+        info = GroupInfo(kind, names, seconds)
+        groups.append((info, [lambda c=c: c for c in codes]))
     return frame_statistics(groups, 2, PLAIN.white_level)
 
 
@@ -36,7 +41,7 @@ def test_frames_lack_the_shapes_that_their_profile_states():
     """What lines and patches have is within five errors of the mean of so many samples;
     levels and single pixels stay."""
     ramp = {"horizontal": RAMP / PLAIN.signal_range}
-    sensor = stating(PLAIN, {"bias_structure": ramp, "lens_shading": {"r2": FALL}})
+    sensor = stating(PLAIN, {"bias_structure": ramp, "lens_shading": FALL})
     statistics, parameters = statistics_of(OFFSET, SHADING), Parameters(4)
     stated = StatedShapes.of(sensor, statistics)
     assert set(stated.names) == {"bias_structure", "lens_shading"}
@@ -54,11 +59,11 @@ def test_frames_lack_the_shapes_that_their_profile_states():
     for before, plane in zip(statistics.planes, clean.planes, strict=True):
         assert np.array_equal(plane.level, before.level)
         most = 5 * NOISE / np.sqrt(FRAMES)
-        assert np.abs(plane.rows).max() < most / np.sqrt(w) < np.ptp(before.rows[1])
+        assert np.abs(plane.rows).max() < most / np.sqrt(w) < np.ptp(before.rows[2])
         assert (
             np.abs(plane.columns).max() < most / np.sqrt(h) < np.ptp(before.columns[0])
         )
-        assert np.abs(plane.field).max() < most
+        assert np.abs(plane.field).max() < most < np.abs(before.field[2]).max()
         assert plane.products[PIXEL] == pytest.approx(before.products[PIXEL], rel=1e-6)
 
 
