@@ -13,6 +13,7 @@ from cg2raw.diagnose.verdict.values import (
     _of_levels,
     _of_well,
     _withheld,
+    limits_of_levels,
     of_amplifiers,
 )
 from cg2raw.model.full_well import FullWell
@@ -140,3 +141,27 @@ def test_deviations_are_told_as_they_were_before_a_stated_filter_lowered_them():
     for one, share in zip(given, left, strict=True):
         expected = np.array(one[2:]) / np.sqrt(share)
         assert values[one.effect, one.parameter] == pytest.approx(expected)
+
+
+def test_limits_of_levels_are_the_errors_of_each_effect_alone_at_0():
+    """By flats that decide, of the first parameter of each."""
+    counts = {"exposure": 1, "white_balance": 2, "crosstalk": 2}
+
+    def covariance_of(names, values):
+        assert len(names) == 1 and values.tolist() == [0.0] * counts[names[0]]
+        return np.diag([0.01, 0.5][: len(values)]) ** 2
+
+    levels = SimpleNamespace(names=[*counts], covariance_of=covariance_of)
+    found = SimpleNamespace(
+        statistics=SimpleNamespace(of_splits=lambda splits: splits),
+        selection=SimpleNamespace(validation="fit"),
+        levels_of=lambda splits, fit: levels if fit == "fit" else None,
+    )
+    half = 0.01 * CI95
+    assert in_order(limits_of_levels(found)) == {
+        ("exposure", "gain"): pytest.approx((0, -half, half)),
+        ("white_balance", "red"): pytest.approx((0, -half, half)),
+        ("crosstalk", "left"): pytest.approx((0, -half / 2, half / 2)),
+    }
+    found.selection.validation = None
+    assert [*limits_of_levels(found)] == []
