@@ -4,11 +4,22 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from cg2raw.calibration.flats import TransferPoints, field_of, lamp_drift, linearity
+from cg2raw.calibration.darks import DarkCurrent, DarkResults
+from cg2raw.calibration.flats import (
+    FULL_WELL,
+    PhotonTransfer,
+    TransferPoints,
+    above_darks,
+    field_of,
+    lamp_drift,
+    linearity,
+)
+from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.sites import Sites
 
 SHADING = {
@@ -96,3 +107,23 @@ def test_a_lamps_drift_is_the_deviation_of_repeats_from_their_means():
     assert found.value == pytest.approx(0.01 * math.sqrt(4 / 3))
     assert found.standard_error == pytest.approx(found.value / math.sqrt(6))
     assert lamp_drift([np.array([7.0])]) is None
+
+
+@pytest.mark.parametrize(("time", "charge"), [(2.0, 10.0), (None, 0.0)])
+def test_flats_are_above_the_black_level_that_is_known_and_the_charge_of_darks(
+    time, charge
+):
+    """Of 5 DN/s, and a level that lies 3 DN above that by which they were read."""
+    line = DarkCurrent(((None, Measured(5.0, 0.1, "DN/s")),), None, ())
+    full = Measured(3000.0, 2.0, "DN")
+    transfer = PhotonTransfer(points([1000.0], [time]), full, FULL_WELL, [], 4)
+    seen = SimpleNamespace(sensor=SimpleNamespace(white_level=4095))
+    levels = np.array([256.0]), np.array([259.0])
+    found = above_darks(seen, transfer, DarkResults(dark=line), *levels)
+    [point] = found.transfer.points
+    assert point.level == 1000 - 3 - charge
+    assert point.mean.tolist() == [[1000 - 3 - charge]]
+    assert found.transfer.saturation == Measured(2997.0, 2.0, "DN")
+    assert (found.transfer.clipped, found.light, found.lamp) == (4, None, None)
+    none = above_darks(seen, PhotonTransfer(clipped=6), DarkResults(), *levels)
+    assert none.transfer == PhotonTransfer(clipped=6)

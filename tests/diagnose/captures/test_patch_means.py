@@ -54,6 +54,15 @@ def test_means_are_read_as_they_stand(tmp_path):
     assert absent.startswith("p.csv: dark skin, light skin, blue sky and 18 more are")
 
 
+def test_a_mean_is_of_as_many_pixels_as_its_table_or_the_manifest_says(tmp_path):
+    text = f"{HEAD},count\nwhite,300,500,501,400,64\nblack,80,90,91,85,\n"
+    for line, other in ((LINE + ", count: 250", 250), (LINE, 1)):
+        means, notes = means_of(tmp_path, text, line)
+        assert means.count.tolist() == [64, other]
+        said = [note for note in notes if "nobody says how many pixels" in note]
+        assert len(said) == (other == 1)
+
+
 def test_signal_becomes_dn(tmp_path):
     text = f"{HEAD},R_sd\nwhite,0,0.5,1,0.25,0.1\n"
     means, notes = means_of(tmp_path, text, LINE + ", unit: signal, gain: 2")
