@@ -448,6 +448,21 @@ def test_copied_lines_leave_so_much_freedom():
     assert (copies.level, copies.open_lines) == (pytest.approx(whole), (0.9, 1.0))
 
 
+@pytest.mark.parametrize("axis", ["rows", "columns"])
+@pytest.mark.parametrize(
+    ("degree", "part"), [(1, "smooth"), (3, "smooth"), (4, "slow"), (11, "slow")]
+)
+def test_a_polynomial_is_in_the_part_of_its_degree(axis, degree, part):
+    """Its squares, but for those of rounding; of squares of steps of 40 DN."""
+    profile = 2000 * polynomials(60)[degree]
+    image = np.broadcast_to(profile, (60, 60))
+    frame = np.rint(1000 + (image if axis == "columns" else image.T)).astype(np.uint16)
+    (plane,) = measured(groups_of([frame]), 1).planes
+    share = plane.products[:, 0, 0] / (60 * 2000**2)
+    expected = np.array([name == f"{part}_{axis}" for name in PARTS], float)
+    assert share == pytest.approx(expected, abs=1e-3)
+
+
 def test_parts_add_up():
     """By Parseval, the parts' squares are those of the samples."""
     frames = drawn((61, 47), 4)
