@@ -92,3 +92,9 @@ def test_what_only_one_split_shows_is_no_name():
     ]
     well = full_well(statistics.only(names), SPLITS, profile(), True, LEAST)
     assert well.groups and well.nats == 0.0
+
+
+@pytest.mark.parametrize("light", [WHITE - BLACK, WHITE - BLACK + 60.0])
+def test_flats_that_are_clipped_at_white_have_no_full_well(light):
+    """Half of the pixels and more, which leaves a third of their noise and less."""
+    assert found(np.inf, lights=(500.0, 2000.0, float(light)))[0] is None
