@@ -188,7 +188,8 @@ def darks_and_flats(
     # What is too little to be named, or not shown without darks, may move levels.
     doubted = {*OF_LENS} & found.gains.keys() - {*named}
     doubted |= {BLACK} if both.is_flat.all() else set()
-    for other in sorted(doubted, reverse=True):
+    doubted &= {*every_name()} if names is None else {*names}
+    for other in sorted(doubted, reverse=True):  # shading of all colours first
         again = gains_of_levels([*named, other], True) if needed else {}
         left = {name for name, gain in again.items() if gain > least}
         if left < needed:

@@ -206,10 +206,14 @@ def test_one_flat_does_not_tell_waves_of_its_light_from_shading():
     ],
 )
 def test_shading_too_weak_to_be_seen_may_move_the_mean(hidden, alike):
-    found = diagnose(captures_of(4, drawn_sensor(104), **hidden), details=False)
+    """Unless it is left out, as what cannot be there."""
+    captures = captures_of(4, drawn_sensor(104), **hidden)
+    found = diagnose(captures, details=False)
     assert {one.name: one.ambiguous_with for one in found.effects} == alike
     for sentence in found.next_captures:
         assert "falls off from the middle" in sentence
+    [again] = diagnose(captures, only=list(alike), details=False).effects
+    assert again.name in alike and not again.ambiguous_with
 
 
 @pytest.mark.parametrize(("levels", "alike"), [(1, ["black_level"]), (2, [])])
