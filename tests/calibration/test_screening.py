@@ -132,9 +132,7 @@ def test_frames_have_one_step_of_codes(steps, common):
 
 
 def test_a_frame_of_wider_steps_than_others_is_refused():
-    with pytest.raises(
-        ValueError, match="b: only every 4th DN occurs, in other frames"
-    ):
+    with pytest.raises(ValueError, match="b: only one in 4 DN occurs, in other frames"):
         in_steps([looked_at(1), looked_at(4, "b")], SENSOR.white_level)
 
 
