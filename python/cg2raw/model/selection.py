@@ -64,7 +64,7 @@ class Selection:
     """gains : nats of each name that the frames can show, on validation frames.
     unnamed : likewise of UNNAMED and SPOTS. unsure : how far other effects may move
     levels of darks, DN or DN/s, by name. levels : of LEVELS, those that darks decide.
-    alike : of noise, other names that may be in the place of one."""
+    alike : by name, others that may be in its place."""
 
     gains: Mapping[str, float]
     training: Fit
@@ -114,7 +114,7 @@ def selection(
     for name in ("dsnu", "dark_current_nonuniformity"):
         if profile[parameters.of(name)] > 0 and name in places:
             places[name][parameters.of(BOTH)] = False
-    is_alone = not known[parameters.are(LAMP)].any()
+    has_one_flat = not known[parameters.are(LAMP)].any()
     of_rows = np.array([name.endswith(", slow_rows") for name in parameters.names])
     for name, own in places.items():
         if name in LEVELS:
@@ -134,7 +134,7 @@ def selection(
         if is_weak and _may_gain(training, own, profile, least):
             back = gain_of(own, values[1], training, profile, least, prior)
         gains[name] = float(np.logaddexp(there, back)) - MEAN
-        if is_alone and name in OF_LENS and gains[name] > least:
+        if has_one_flat and name in OF_LENS and gains[name] > least:
             # Of waves down the rows, those of one flat may be of the light's.
             if gain_of(own & ~of_rows, values[0], validation, profile, least) < least:
                 alike = {**alike, name: (FLICKER,)}
