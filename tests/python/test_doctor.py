@@ -8,13 +8,14 @@ import platform
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import OpenImageIO
 import pytest
 
 from cg2raw import _core
 from cg2raw.cli import doctor as cli_doctor
-from cg2raw.oiio import hosts
+from cg2raw.oiio import hosts, registration
 from cg2raw.oiio.elf import Library
 from cg2raw.oiio.plugin_file import misfit, plugin_api_of
 from conftest import OIIOTOOLS
@@ -294,6 +295,14 @@ def test_programs_are_the_executable_ones_once(monkeypatch, tmp_path):
     found = [str(tmp_path / name / "made-up") for name in ("a", "c")]
     assert hosts.programs("made-up") == found
     assert hosts.ask([found[0]]) is None and hosts.ask(["/none"]) is None
+
+
+def test_a_plugin_is_registered_with_the_openimageio_of_this_python_alone():
+    beside = os.path.join(os.path.realpath(os.path.dirname(sys.executable)), "python")
+    given = [("python", beside), ("oiiotool", beside), ("python", "/nowhere/python")]
+    each = [SimpleNamespace(kind=k, path=p, version="3.1.6") for k, p in given]
+    found = [cli_doctor.plugin_to_register(host) for host in each]
+    assert found == [registration.plugin_for("3.1.6"), None, None]
 
 
 def test_it_lists_the_folders_and_ids_of_sensors(monkeypatch, tmp_path):
