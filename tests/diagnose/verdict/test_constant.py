@@ -225,6 +225,24 @@ def test_flats_of_one_level_alone_do_not_tell_light_from_the_black_level(levels,
     assert (found.name, found.ambiguous_with) == ("exposure", alike)
 
 
+@pytest.mark.parametrize(
+    ("times", "alike"),
+    [([0.0], []), ([0.0, 4.0], []), ([4.0], ["dark_current_nonuniformity"])],
+)
+def test_darks_of_one_time_do_not_tell_what_grew_in_it(times, alike):
+    """But where they are biases."""
+    captures = captures_of(dsnu=0.5)
+    darks = [c for c in captures.captures if c.kind == "dark"]
+    numbers = [int(c.name.split("_")[2]) for c in darks]
+    kept = [
+        replace(c, exposure_time=times[n])
+        for c, n in zip(darks, numbers, strict=True)
+        if n < len(times)
+    ]
+    [found] = diagnose(replace(captures, captures=kept), details=False).effects
+    assert (found.name, found.ambiguous_with) == ("dsnu", alike)
+
+
 def test_frames_of_another_iso_or_temperature_are_left_out(consistent):
     found, _ = consistent
     for what in ("ISO", "temperature"):

@@ -64,6 +64,14 @@ MOVES: Mapping[str, tuple[str, ...]] = {
 }
 
 
+# What darks of one exposure time have, and what may have grown to it in that time.
+GROWN: Mapping[str, str] = {
+    "black_level": "dark_current",
+    "dsnu": "dark_current_nonuniformity",
+    "bias_structure": "amplifier_glow",
+}
+
+
 def diagnosis_of(
     found: DarksAndFlats,
     names: Collection[str],
@@ -289,6 +297,10 @@ def _alike(
     """Return the effects that may be in the place of one."""
     others = [FILTER] if _may_be_filtered(found, name, values) else []
     others += [MISMATCH] * (name in found.amplifiers.alike)
+    groups = found.statistics.groups
+    times = {one.charge_time for one in groups if one.kind == "dark"}
+    if name in GROWN and len(times) == 1 and 0 not in times:
+        others += [GROWN[name]]
     if name == "prnu" and "shot_noise" not in found.selection.gains:
         others += ["shot_noise"]  # flats that nothing repeats have both in their pixels
     if name in found.selection.unsure and all(map(_may_be_zero, values.values())):
