@@ -9,7 +9,7 @@ import pytest
 
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.scenes.gram import Gram, Space
-from cg2raw.diagnose.verdict.images import _findings, _limits, _notes, noise_row
+from cg2raw.diagnose.verdict.images import _findings, _gap, _limits, _notes, noise_row
 from diagnose.planted import BY_NAME, bare, model_of, sensor_of
 
 
@@ -34,6 +34,25 @@ def test_a_profile_without_noise_gets_that_of_its_first_iso():
     }
     found.views = found.views[:1]
     assert noise_row(found) is None
+
+
+def test_the_gap_of_images_is_half_of_what_their_chi_square_has_beyond_one():
+    """In nats per pixel: before, and less twice what the values gain after. Flicker was
+    taken off the squares, which it had before."""
+    gram = Gram(100, 280.0, np.array([10.0, 10.0]), np.eye(2))
+    gap = _gap(
+        SimpleNamespace(
+            grams={"report": gram},
+            of_flicker=20.0,
+            theta=np.array([10.0, 5.0]),  # gain 150 - 125 / 2 nats
+            model=model_of(sensor_of()),
+            views=[],
+        )
+    )
+    assert (gap.chi2_before, gap.chi2_after) == pytest.approx((3.0, 1.05))
+    assert (gap.before, gap.after) == pytest.approx((1.0, 0.025))
+    low, high = gap.interval_after
+    assert (high - low) / 2 == pytest.approx(1.96 * 0.005**0.5, rel=1e-3)
 
 
 def test_a_limit_beyond_what_an_effect_may_be_is_none():
