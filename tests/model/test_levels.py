@@ -86,13 +86,14 @@ def test_levels_that_are_off_their_line_are_said():
     assert misfit == pytest.approx(np.sqrt((off**2).sum() / 6), rel=0.3)
 
 
-def test_readings_that_are_known_move_the_charge():
+@pytest.mark.parametrize("side", [1, 2])
+def test_readings_that_are_known_move_the_charge(side):
     """Frames that are warmer gather more, in a group and between groups: that is no
     drift, and the dark current is that at the temperature of all."""
     rng = np.random.default_rng(3)
     warmth = 1.1 + 0.05 * rng.standard_normal((2, 6))
     bias, (info, frames) = darks(rng, warmth, times=(0.0, 60.0), frames=6)
-    found = fitted([bias, (replace(info, warmth=tuple(warmth[1])), frames)])
+    found = fitted([bias, (replace(info, warmth=tuple(warmth[1])), frames)], side)
     assert np.abs(misses(found)).max() < 3
     drift, error = found.of("black_level_drift")
     assert drift == pytest.approx(DRIFT**2, abs=3 * error)
