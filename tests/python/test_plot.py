@@ -3,6 +3,7 @@
 """The picture of a sensor's illuminants: drawn for any profile, with what it shows."""
 
 import io
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -66,6 +67,17 @@ def test_any_profile_can_be_drawn(changes, counts, known):
     pixels = image.imread(io.BytesIO(plot.plot_png(sensor)))
     assert pixels.shape == (780, 960, 4)  # 8 x 6.5 inches of 120 pixels
     assert (pixels[..., :3] < 0.9).any(axis=2).mean() > 0.005  # not an empty page
+
+
+def test_a_picture_holds_what_was_measured_and_a_third_more():
+    axes = Figure().subplots()
+    profile = SimpleNamespace(
+        illuminants={"neutrals": [[0.5, 0.9], [0.7, 0.1]], "hull": []}
+    )
+    drawn = np.array([[0.6, 0.4], [np.nan, np.nan]])
+    plot.set_limits(axes, profile, drawn, np.zeros((3, 2)))
+    assert axes.get_xlim() == pytest.approx((0.43, 0.77))
+    assert axes.get_ylim() == pytest.approx((0, 1.18))
 
 
 def test_the_same_profile_gives_the_same_bytes():
