@@ -27,7 +27,7 @@ from cg2raw.model.amplifier_mismatch import (
 )
 from cg2raw.model.dark_levels import LEVELS
 from cg2raw.model.evaluation import Parameters
-from cg2raw.model.fit import Fit, fit
+from cg2raw.model.fit import Fit, fit, gain_of
 from cg2raw.model.flat_levels import FlatLevels, flat_levels, level_gains
 from cg2raw.model.full_well import NAME as WELL
 from cg2raw.model.full_well import FullWell
@@ -132,6 +132,13 @@ def darks_and_flats(
     for statistics in splits:
         say("fitting darks and flats", 0.65 + 0.05 * len(fits))
         fits.append(fit(statistics, usual))
+    if not (fits[0].known & fits[1].known)[lamp].any() and lamp.any():
+        if gain_of(lamp, together.theta, together, profile, least) > least:
+            notes.append(
+                "Flats differ in shape by more than their noise: mains flicker, or a "
+                "lamp or lens that moved, is in no finding; take two flats of each "
+                "split, which tell."
+            )
     if not all(one.is_settled for one in fits):
         raise ValueError(
             f"{frames.captures[0].name}: noise lies within a code, and what codes hide "

@@ -180,6 +180,7 @@ def test_one_flat_of_each_split(seed, hidden, verdict):
     captures = captures_of(seed - 100, drawn_sensor(seed), **hidden)
     found = diagnose(with_one_flat(captures), details=False)
     assert (found.verdict, names(found)) == (verdict, {*hidden})
+    assert not any("Flats differ" in note for note in found.notes)
     if verdict == "ambiguous":
         assert found.effects[0].ambiguous_with == ["shot_noise"]
         assert "Several flats of one level" in found.next_captures[0]
@@ -191,6 +192,7 @@ def test_one_flat_does_not_tell_waves_of_its_light_from_shading():
         captures = captures_of(seed - 100, drawn_sensor(seed), mains_flicker=0.03)
         found = diagnose(with_one_flat(captures), details=False)
         assert found.verdict == verdict
+        assert any("Flats differ in shape" in note for note in found.notes)
         alike = {one.name: one.ambiguous_with for one in found.effects}
         assert all(alike.values()), alike
         assert "mains_flicker" in alike.get("lens_shading", ["mains_flicker"])
