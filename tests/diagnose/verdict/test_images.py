@@ -9,7 +9,14 @@ import pytest
 
 from cg2raw.diagnose.frames.noise_model import NoiseModel
 from cg2raw.diagnose.scenes.gram import Gram, Space
-from cg2raw.diagnose.verdict.images import _findings, _gap, _limits, _notes, noise_row
+from cg2raw.diagnose.verdict.images import (
+    _findings,
+    _gap,
+    _limits,
+    _notes,
+    _values,
+    noise_row,
+)
 from diagnose.planted import BY_NAME, bare, model_of, sensor_of
 
 
@@ -53,6 +60,26 @@ def test_the_gap_of_images_is_half_of_what_their_chi_square_has_beyond_one():
     assert (gap.before, gap.after) == pytest.approx((1.0, 0.025))
     low, high = gap.interval_after
     assert (high - low) / 2 == pytest.approx(1.96 * 0.005**0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize(("squares", "wider"), [(500.0, 2.0), (150.0, 1.0)])
+def test_intervals_are_wider_where_the_residuals_are(squares, wider):
+    """By the root of their chi-square, and never narrower. The value gains 50 nats."""
+    gram = Gram(100, squares, np.array([1e3]), np.array([[1e4]]))
+    found = SimpleNamespace(
+        both=gram,
+        theta=np.array([0.1]),
+        effects=[BY_NAME["exposure"]],
+        space=Space.of({"exposure": 1}),
+        fitted={"exposure"},
+        chosen=SimpleNamespace(names=["exposure"]),
+        shapes={},
+    )
+    one = _values(found)["exposure"]["gain"]
+    half = 1.96 * wider / 100
+    assert (one.value, *one.ci95) == pytest.approx(
+        (0.1, 0.1 - half, 0.1 + half), rel=1e-3
+    )
 
 
 def test_a_limit_beyond_what_an_effect_may_be_is_none():
