@@ -18,6 +18,10 @@ class DarkCurrent(Effect):
     where = "grows with exposure time, in darks too"
     of_mean = False
     signature = frozenset({"offset"})
+    told_apart = {
+        "read_noise": "Darks of two exposure times: read noise is the same in both, "
+        "that of dark current grows with time.",
+    }
 
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
         """With the profile's, if it states any: by how much the sensor is warmer."""

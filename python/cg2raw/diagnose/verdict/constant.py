@@ -51,6 +51,7 @@ from cg2raw.normal import CI95
 from cg2raw.statistics.constant import ConstantStatistics
 
 FILTER = "noise_reduction"
+DRIFT = "black_level_drift"
 GAIN_ERRORS = 20.0  # that a gain of a noise table is: known to 5 %
 # What else an effect moves: the mean of a pattern, the variance of wider noise.
 MOVES: Mapping[str, tuple[str, ...]] = {
@@ -67,6 +68,7 @@ MOVES: Mapping[str, tuple[str, ...]] = {
 # What darks of one exposure time have, and what may have grown to it in that time.
 GROWN: Mapping[str, str] = {
     "black_level": "dark_current",
+    "read_noise": "dark_current",
     "dsnu": "dark_current_nonuniformity",
     "bias_structure": "amplifier_glow",
 }
@@ -101,7 +103,7 @@ def diagnosis_of(
     gained = gap.before - gap.after
     left = left_over([*tests[1], *unnamed], gained)
     left += chi_square_test(gap.chi2_after, freedom, gained)
-    findings = _findings(found, chosen, bool(left))
+    findings = _findings(found, chosen, names, bool(left))
     told = sorted(name for split in GROUPS[:2] for name in frames[split])
     is_closed = findings and gap.after <= gap.before
     return Diagnosis(
@@ -265,7 +267,10 @@ def _gap(
 
 
 def _findings(
-    found: DarksAndFlats, chosen: Sequence[str], is_provisional: bool
+    found: DarksAndFlats,
+    chosen: Sequence[str],
+    names: Collection[str],
+    is_provisional: bool,
 ) -> list[Finding]:
     sensor = found.captures.sensor
     values: dict[str, dict[str, Estimate]] = {name: {} for name in chosen}
@@ -282,7 +287,7 @@ def _findings(
             found.selection.gains[name],
             sensor,
             is_provisional,
-            _alike(found, name, chosen, values[name]),
+            _alike(found, name, chosen, names, values[name]),
         )
         for name in chosen
     ]
@@ -292,15 +297,21 @@ def _alike(
     found: DarksAndFlats,
     name: str,
     chosen: Collection[str],
+    names: Collection[str],
     values: Mapping[str, Estimate],
 ) -> list[str]:
-    """Return the effects that may be in the place of one."""
+    """Return the effects that may be in the place of one. names : which may be
+    named."""
     others = [FILTER] if _may_be_filtered(found, name, values) else []
     others += [MISMATCH] * (name in found.amplifiers.alike)
-    groups = found.statistics.groups
-    times = {one.charge_time for one in groups if one.kind == "dark"}
-    if name in GROWN and len(times) == 1 and 0 not in times:
-        others += [GROWN[name]]
+    darks = [one for one in found.statistics.groups if one.kind == "dark"]
+    times = {(one.split, one.charge_time) for one in darks}
+    has_one = len(times) == len({split for split, _ in times})  # in each split
+    if has_one and all(time > 0 for _, time in times):
+        grown = [GROWN[name]] if name in GROWN else []
+        if name == DRIFT and len({time for _, time in times}) > 1:
+            grown = [GROWN["black_level"]]
+        others += [one for one in grown if one in names]
     if name == "prnu" and "shot_noise" not in found.selection.gains:
         others += ["shot_noise"]  # flats that nothing repeats have both in their pixels
     if name in found.selection.unsure and all(map(_may_be_zero, values.values())):
