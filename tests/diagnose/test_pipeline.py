@@ -53,6 +53,20 @@ def summary(found):
     return found.verdict, effects, tests, found.gap, found.profile_json
 
 
+@pytest.mark.parametrize(("seed", "number"), [(19, "0"), (1, "01")])
+def test_scenes_alone_say_no_more_of_noise_than_they_know(seed, number):
+    """Few samples tell noise to 2 %, and read noise beside light hardly at all: frames
+    of other light differ by more than their own error from what was fitted."""
+    sensor = drawn_sensor(seed + 100)
+    hidden = draw_hidden(sensor, {}, seed=seed)
+    made = simulate_captures(sensor, hidden, seed=seed, twice=True)
+    kept = [
+        c for c in made.captures if c.kind == "scene" and c.name.split("_")[2] in number
+    ]
+    found = run(replace(made, captures=kept), only=())
+    assert (found.verdict, found.unexplained) == ("consistent", [])
+
+
 def test_nothing_hidden_is_no_gap():
     found = run(set_of(SENSOR), only=())
     assert (found.verdict, found.effects) == ("consistent", [])

@@ -7,7 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cg2raw.diagnose.scenes.noise import excess_of, noise_factors, patch_deviation
+from cg2raw.diagnose.scenes.noise import (
+    excess_of,
+    freedom_of,
+    noise_factors,
+    noise_parts,
+    patch_deviation,
+)
 from cg2raw.diagnose.scenes.predict import photon_gain
 from diagnose.planted import sensor_of
 from diagnose.scenes.test_point import at
@@ -28,16 +34,39 @@ def test_noise_factors_are_those_of_light_and_of_the_readout(defects, coding):
     """Thousands of samples tell a variance to 3 %; the nearest of the defects, which
     look like noise, add up to a tenth. Rounding of coarse codes, a fifth of the
     read-out's, stays."""
+    assert fitted(1, defects, coding)[0] == pytest.approx([1.7, 0.6], rel=0.15)
+
+
+def fitted(seed, defects=0.0, coding={}):
     given = sensor_of(**coding)
     points = [at(given, kind=kind) for kind in ("dark", "flat", "scene")]
     residuals = []
-    for seed, point in enumerate(points):
+    for number, point in enumerate(points):
         light = photon_gain(point.model, point.frame) * np.maximum(point.base, 0)
         variance = point.noise_variance + 0.7 * light - 0.4 * point.frame.beta2
-        residuals.append(
-            residual(np.broadcast_to(variance, point.root.shape), seed, defects)
-        )
-    assert noise_factors(points, residuals) == pytest.approx([1.7, 0.6], rel=0.15)
+        variance = np.broadcast_to(variance, point.root.shape)
+        residuals.append(residual(variance, 3 * seed + number, defects))
+    return noise_factors(points, residuals)
+
+
+def test_noise_factors_are_known_by_their_information():
+    """Squares of errors, by information, of two factors: chi-square of 2 on average."""
+    each = [fitted(seed) for seed in range(20)]
+    squares = [(f - (1.7, 0.6)) @ known @ (f - (1.7, 0.6)) for f, known in each]
+    assert 1 < np.mean(squares) < 3.5
+
+
+def test_chi_square_of_some_frames_has_the_error_of_noise_fitted_to_others():
+    """Light alone is fitted, by m samples: means of n and of m samples differ as one of
+    n * m / (n + m) does from its truth, but for what is read noise."""
+    points = [at(sensor_of(), kind="flat")]
+    used = points[0].root > 0
+    share = (noise_parts(points[0])[0] * points[0].root ** 2)[used].mean()
+    assert 0.9 < share < 1
+    n = int(used.sum())
+    for m in (n / 9, 10 * n):
+        found = freedom_of(n, points, np.diag([m / 2, 1e15]))
+        assert found == pytest.approx(n * m / (n * share**2 + m))
 
 
 def excess(shift, texture, defects=0.0):

@@ -12,7 +12,7 @@ from cg2raw.diagnose.diagnosis import STRUCTURE
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.pictures import histogram, pictures_of, scale_of
 from cg2raw.diagnose.scenes.point import Excess, point_of
-from cg2raw.diagnose.scenes.predict import predict
+from cg2raw.diagnose.scenes.predict import photon_gain, predict
 from cg2raw.diagnose.scenes.residuals import Residuals
 from cg2raw.diagnose.scenes.view import views_of
 from diagnose.planted import BY_NAME, capture_of, drawn, frames_of, scene_of, sensor_of
@@ -20,14 +20,14 @@ from diagnose.planted import BY_NAME, capture_of, drawn, frames_of, scene_of, se
 SENSOR = sensor_of()
 
 
-def asked_of(extra, seed=1, kinds=("flat", "scene", "scene")):
+def asked_of(extra, seed=1, kinds=("flat", "scene", "scene"), of_noise=None):
     captures = [
         capture_of(kind, n, set=f"{kind}{n}", name=f"{kind}{n}{again}")
         for n, kind in enumerate(kinds)
         for again in range(2)
     ]
     frames = drawn(frames_of(SENSOR, captures), Model(SENSOR), seed, extra)
-    asked = Residuals()
+    asked = Residuals(of_noise)
     for view in views_of(frames):
         asked.add(point_of(view, view.frame, Model(SENSOR), Excess()), [])
     return {test.name: test for test in asked.tests()}
@@ -122,6 +122,26 @@ def test_what_is_planted_is_said(extra, name):
     assert found.p_value < 1e-6
     assert found.nats_per_pixel > 2e-4
     assert found.where
+
+
+def brighter_noise(frame, rng):
+    """A tenth more of the variance of light."""
+    more = 0.1 * photon_gain(Model(SENSOR), frame) * light(frame)
+    return np.sqrt(more) * rng.standard_normal(frame.signal.shape)
+
+
+@pytest.mark.parametrize(
+    ("of_noise", "is_left"),
+    [
+        (None, True),
+        (np.diag([20.0, 1e9]), False),  # of light it is known to a fifth alone
+        (np.diag([1e9, 20.0]), True),
+    ],
+)
+def test_noise_may_be_off_by_the_error_of_its_fit(of_noise, is_left):
+    asked = asked_of(brighter_noise, of_noise=of_noise)
+    for name in ("variance by level", "variance by radius", "repeats"):
+        assert (asked[name].p_value < 1e-4) == is_left
 
 
 def test_levels_are_parts_of_the_light_that_there_is():

@@ -26,6 +26,7 @@ from cg2raw.diagnose.scenes.gram import Array, Gram, Normal, Space
 from cg2raw.diagnose.scenes.model import Model, Term
 from cg2raw.diagnose.scenes.noise import (
     excess_of,
+    freedom_of,
     noise_factors,
     patch_deviation,
     with_noise,
@@ -72,6 +73,7 @@ class Scenes:
     model : the profile, effects at their values, and calibrated noise. nats : of
     effects without derivatives, on validation frames; shapes : values and standard
     errors of each. least_flicker : the amplitude that validation frames would show.
+    of_noise : (2, 2), the information by which noise was fitted; None where it is known.
     ended : what came in between, Ctrl-C or the time limit."""
 
     capture_set: CaptureSet
@@ -92,6 +94,7 @@ class Scenes:
     nats: dict[str, float] = field(default_factory=dict)
     shapes: dict[str, tuple[Array, Array]] = field(default_factory=dict)
     least_flicker: float = math.inf
+    of_noise: Array | None = None
     ended: type[BaseException] | None = None
 
     def __post_init__(self) -> None:
@@ -445,7 +448,7 @@ class Scenes:
         pixels = [k for k, p in enumerate(points) if not p.view.is_table]
         changed = False
         if self.fits_noise and pixels:
-            factors = noise_factors(
+            factors, self.of_noise = noise_factors(
                 [points[k] for k in pixels], [left[k] for k in pixels]
             )
             self.model = with_noise(self.model, factors)
@@ -546,11 +549,20 @@ class Scenes:
         """The same."""
         found = []
         for points, stated in zip(self.test_points, (True, False), strict=True):
-            asked = Residuals()
+            asked = Residuals(self.of_noise)
             for point in points:
                 asked.add(point, self.nuisances(point, stated))
             found.append(asked.tests())
         return found[0], found[1]
+
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom of the chi-square of test frames, as noise is known."""
+        n = max(self.grams[REPORT].n, 1)
+        if self.of_noise is None:
+            return n
+        points = [point for point in self.test_points[1] if not point.view.is_table]
+        return freedom_of(n, points, self.of_noise)
 
     @property
     def of_flicker(self) -> float:

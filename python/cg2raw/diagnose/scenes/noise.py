@@ -22,26 +22,25 @@ LEAST_FACTOR = 1e-3
 MOST_SHIFT, MOST_TEXTURE = 0.5, 0.1  # px; relative
 
 
-def noise_factors(points: Sequence[Point], residuals: Sequence[Array]) -> Array:
-    """Return what multiplies the variance of light and that of the read-out, (2,);
-    what else the model has of noise, as by rounding, stays.
+def noise_factors(
+    points: Sequence[Point], residuals: Sequence[Array]
+) -> tuple[Array, Array]:
+    """Return what multiplies the variance of light and that of the read-out, (2,), and
+    the information of it, (2, 2); what else the model has of noise, as by rounding,
+    stays.
 
     residuals : (T, h, w) of the mean images; of a view whose frames repeat, what these
     differ by is used instead."""
-    photon, read, others, square, freedom = [], [], [], [], []
+    every, others, square, freedom = [], [], [], []
     for point, residual in zip(points, residuals, strict=True):
-        frame, view = point.frame, point.view
-        used = point.root > 0
-        light = photon_gain(point.model, frame) * np.maximum(point.base, 0)
-        photon.append(np.broadcast_to(light, used.shape)[used])
-        readout = point.model.noise_gain("beta2") * frame.beta2
-        read.append(np.broadcast_to(readout, used.shape)[used])
+        view, used = point.view, point.root > 0
+        every.append(noise_parts(point)[:, used])
         own = (view.away**2).sum(0) / (view.n - 1) if view.n > 1 else residual**2
         whole = point.frame_variance if view.n > 1 else point.noise_variance
-        others.append(np.maximum(whole[used] - photon[-1] - read[-1], 0))
+        others.append(np.maximum(whole[used] - every[-1].sum(0), 0))
         square.append(own[used])
         freedom.append(np.full(used.sum(), max(view.n - 1, 1)))
-    parts = np.array([np.concatenate(photon), np.concatenate(read)])
+    parts = np.concatenate(every, axis=1)
     rest, squares = np.concatenate(others), np.concatenate(square)
     weights = np.concatenate(freedom)
     factors = np.ones(2)
@@ -54,7 +53,24 @@ def noise_factors(points: Sequence[Point], residuals: Sequence[Array]) -> Array:
         target = np.concatenate([(squares - rest) * weight, np.full(2, np.sqrt(2))])
         factors = nnls(design, target)[0]
         factors = np.maximum(factors, LEAST_FACTOR)
-    return factors
+    return factors, design.T @ design / 2  # squares have twice the variance
+
+
+def noise_parts(point: Point) -> Array:
+    """Return the variance of light and that of the read-out, (2, T, h, w)."""
+    light = photon_gain(point.model, point.frame) * np.maximum(point.base, 0)
+    readout = point.model.noise_gain("beta2") * point.frame.beta2
+    return np.stack(np.broadcast_arrays(light, readout))
+
+
+def freedom_of(n: int, points: Sequence[Point], of_noise: Array) -> float:
+    """Return the degrees of freedom of the chi-square of @n samples, whose noise is
+    known by the information (2, 2) of another fit."""
+    shares = [
+        (noise_parts(p) / p.view.n * p.root**2)[:, p.root > 0].sum(1) for p in points
+    ]
+    mean = np.sum(shares, axis=0) / n
+    return float(1 / (1 / n + mean @ np.linalg.solve(of_noise, mean) / 2))
 
 
 def excess_of(

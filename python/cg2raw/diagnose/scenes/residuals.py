@@ -12,6 +12,7 @@ from scipy.special import chdtrc
 
 from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.scenes.gram import Array, Normal
+from cg2raw.diagnose.scenes.noise import noise_parts
 from cg2raw.diagnose.scenes.nuisances import Nuisance, fields, legendre, to_edge
 from cg2raw.diagnose.scenes.point import (
     Point,
@@ -46,12 +47,18 @@ WHERE: Mapping[str, str] = {
 }
 
 
-class Residuals:
-    """Sums over the test scenes that are added."""
 
-    def __init__(self) -> None:
+
+class Residuals:
+    """Sums over the test scenes that are added.
+
+    of_noise : (2, 2), the information by which the size of noise was fitted, of light
+    and of the read-out; None where it is known."""
+
+    def __init__(self, of_noise: Array | None = None) -> None:
         self._linear: dict[str, tuple[Any, Any]] = {}
-        self._sums: dict[str, list[tuple[float, float]]] = {}
+        self._sums: dict[str, list[Array]] = {}
+        self._of_noise = of_noise
         self.samples = 0
 
     def taken(self, point: Point, nuisances: Sequence[Nuisance]) -> Array:
@@ -109,8 +116,13 @@ class Residuals:
                 (name, float((along**2 / values[shown]).sum()), int(shown.sum()))
             )
         for name, sums in self._sums.items():
-            squares, freedom = np.sum(sums, axis=0)
-            found.append((name, float(squares), float(freedom)))
+            every = np.concatenate(sums, axis=1)
+            z, slopes = every[0], every[1:]
+            squares = z @ z
+            if self._of_noise is not None:  # its error is in all of them
+                known, along = self._of_noise + slopes @ slopes.T, slopes @ z
+                squares -= along @ np.linalg.solve(known, along)
+            found.append((name, float(squares), len(z)))
         tests = [self._test(*one) for one in found if one[2] > 0]
         return sorted(tests, key=lambda test: -test.nats_per_pixel)
 
@@ -169,8 +181,9 @@ def _hats(x: Array, count: int) -> list[Array]:
 
 def _sums(
     point: Point, z: Array, used: Array, waves: bool
-) -> Iterator[tuple[str, tuple[float, float]]]:
-    """Yield (question, (chi-square, freedom)) of residuals in standard deviations.
+) -> Iterator[tuple[str, Array]]:
+    """Yield (question, (3, K) standard normal sums of residuals in standard deviations,
+    with their slopes by the logarithm of the size of noise: of light, of the read-out).
 
     waves : whether rows have light of their own in each frame, as a lamp flickers."""
     frame, light = point.frame, np.maximum(point.base, 0)
@@ -181,12 +194,14 @@ def _sums(
     left = variance_left(point.model)
     known = {offset.name for offset in offsets_of(point)}
     single = z / np.sqrt(left)  # of pixels by themselves
-    yield "variance by level", _variances(single, used, labels, LEVELS)
+    sizes = noise_parts(point)
+    shares = sizes / point.view.n * point.root**2
+    yield "variance by level", _variances(single, used, shares, labels, LEVELS)
     if point.view.n > 1:
-        yield "repeats", _repeats(point, used, "rows" in known, waves)
+        yield "repeats", _repeats(point, used, sizes, "rows" in known, waves)
     v, u = frame.tiles.field()[::-1]
     ring = np.minimum((np.hypot(u, v) * RINGS_ASKED).astype(int), RINGS_ASKED - 1)
-    yield "variance by radius", _variances(single, used, ring, RINGS_ASKED)
+    yield "variance by radius", _variances(single, used, shares, ring, RINGS_ASKED)
     if "rows" not in known:
         yield "rows", _normal(z.sum(2), used.sum(2))
     if "columns" not in known:
@@ -208,24 +223,31 @@ def _sums(
     yield "neighbours", _normal(np.array(products), np.array(counts))
 
 
-def _normal(sums: Array, variances: Array) -> tuple[float, float]:
+def _normal(sums: Array, variances: Array, slopes: Array | None = None) -> Array:
+    """Return (3, K) of those that are of enough: sums, and slopes (2, ...), by their
+    standard deviation."""
     enough = variances > FEWEST if variances.max(initial=0) > FEWEST else variances > 0
-    return float((sums[enough] ** 2 / variances[enough]).sum()), float(enough.sum())
+    slopes = np.zeros((2, *sums.shape)) if slopes is None else slopes
+    every = np.stack([sums, *slopes])
+    return np.asarray(every[:, enough] / np.sqrt(variances[enough]))
 
 
-def _variances(z: Array, used: Array, labels: Array, count: int) -> tuple[float, float]:
-    """By the squares of normal residuals, of which each has the variance 2."""
+def _variances(z: Array, used: Array, shares: Array, labels: Array, count: int) -> Array:
+    """By the squares of normal residuals, of which each has the variance 2. shares :
+    (2, T, h, w) of the variance, of light and of the read-out."""
     labels = np.broadcast_to(labels, z.shape)[used]
     n = np.bincount(labels, minlength=count)
-    sums = np.bincount(labels, z[used] ** 2 - 1, count)
-    return _normal(sums / np.sqrt(2), n)
+    each = [z[used] ** 2 - 1, *(one[used] for one in shares)]
+    sums, *slopes = (np.bincount(labels, one, count) / np.sqrt(2) for one in each)
+    return _normal(sums, n, np.array(slopes))
 
 
 def _repeats(
-    point: Point, used: Array, offsets: bool, waves: bool
-) -> tuple[float, float]:
+    point: Point, used: Array, sizes: Array, offsets: bool, waves: bool
+) -> Array:
     """By the squares of what frames differ by, without what rows are known to have for
-    themselves in each: offsets, and light where it comes in waves."""
+    themselves in each: offsets, and light where it comes in waves. sizes : (2, T, h, w)
+    variances of light and of the read-out."""
     n, away = point.view.n, point.view.away
     of_rows = [np.ones_like(point.base)] if offsets else []
     of_rows += [point.base] if waves else []
@@ -236,8 +258,9 @@ def _repeats(
         away = away - along * (away * along).sum(3, keepdims=True) / norm
         freedom -= (n - 1) * along**2 / norm
     expected = point.frame_variance * variance_left(point.model)
-    sums = ((away**2).sum(0) / expected - freedom)[used].sum() / np.sqrt(2 * (n - 1))
-    return _normal(np.array([sums]), np.array([float(used.sum())]))
+    each = [(away**2).sum(0) / expected - freedom, *(n - 1) * sizes / expected]
+    sums, *slopes = ([one[used].sum() / np.sqrt(2 * (n - 1))] for one in each)
+    return _normal(np.array(sums), np.array([float(used.sum())]), np.array(slopes))
 
 
 def _lagged(image: Array, row: int, col: int) -> Array:

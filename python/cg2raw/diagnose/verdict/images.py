@@ -50,7 +50,7 @@ def diagnosis_of_images(found: Scenes, details: bool) -> Diagnosis:
     left = left_over(tests[1], gained)
     # Where captures have more than noise, its size was fitted to other frames.
     if not found.excess and not any(point.view.is_table for point in after):
-        left += chi_square_test(gap.chi2_after, found.grams["report"].n, gained)
+        left += chi_square_test(gap.chi2_after, found.freedom, gained)
     values = _values(found)
     findings, shapes = _findings(found, values, bool(left))
     notes = [*found.capture_set.notes, *_notes(found), *shapes]
