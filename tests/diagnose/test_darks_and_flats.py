@@ -5,12 +5,18 @@
 import itertools
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from cg2raw.diagnose.captures.reader import in_groups
-from cg2raw.diagnose.darks_and_flats import _nats_of_well, darks_and_flats
+from cg2raw.diagnose.darks_and_flats import (
+    WithinCode,
+    _check_codes,
+    _nats_of_well,
+    darks_and_flats,
+)
 from cg2raw.diagnose.effects.catalogue import names, of_images
 from cg2raw.diagnose.verdict.values import values_of
 from cg2raw.model import dark_levels, flat_levels, lags, selection
@@ -331,3 +337,34 @@ def test_a_full_well_that_the_profile_states_gains_what_it_is_off(stated, nats):
     assert _nats_of_well(well, stating(SENSOR, effects)) == pytest.approx(
         nats, abs=1e-9
     )
+
+
+@pytest.mark.parametrize(
+    ("share", "frames", "is_enough"),
+    [
+        (0.03, 2, True),
+        (0.02, 2, False),
+        (0.02, 3, True),
+        (0.03, 1, True),
+        (0, 1, False),
+    ],
+)
+def test_five_pixels_of_darks_are_off_the_commonest_code_in_both_of_two(
+    share, frames, is_enough
+):
+    """By chance: a share's square of 10,000, of each pair of frames. Flats, of one code
+    here, are not asked."""
+    off = round(1e4 * frames * share)
+    codes = np.array([[1e4 * frames - off, off], [0, 1e4 * frames]])
+    groups = [SimpleNamespace(frames=[name]) for name in ("dark", "flat")]
+    statistics = SimpleNamespace(
+        is_flat=np.array([False, True]),
+        frames=np.array([frames, frames]),
+        planes=[SimpleNamespace(codes=codes, unmasked=10000)],
+        groups=groups,
+    )
+    if is_enough:
+        return _check_codes(statistics)
+    percent = f"{100 * share:.2f}%"
+    with pytest.raises(WithinCode, match=f"^dark: .* all but {percent} of its pixels"):
+        _check_codes(statistics)

@@ -67,6 +67,19 @@ def test_scenes_alone_say_no_more_of_noise_than_they_know(seed, number):
     assert (found.verdict, found.unexplained) == ("consistent", [])
 
 
+def test_darks_whose_noise_lies_within_a_code_have_no_part_in_it():
+    """At 0.2 DN about a whole code one pixel in 80 has another: patterns were named."""
+    made = changed(drawn_sensor(5), bits=10, white_level=1023, black_level=[4.0] * 4)
+    sensor = with_noise(made, 3 * 1019 / 0.2, 3.0, ISO)
+    found = diagnose(simulate_captures(sensor, {}, seed=4, twice=True), details=False)
+    assert (found.verdict, found.effects) == ("consistent", [])
+    assert found.groups["fit"] == [
+        *("fit_flat_0", "fit_flat_0_again", "fit_flat_1", "fit_flat_1_again"),
+        *("fit_scene_0_0", "fit_scene_0_1", "fit_scene_1_0", "fit_scene_1_1"),
+    ]
+    assert [note.split(":")[0] for note in found.notes] == ["Darks are left out"]
+
+
 def test_nothing_hidden_is_no_gap():
     found = run(set_of(SENSOR), only=())
     assert (found.verdict, found.effects) == ("consistent", [])

@@ -49,6 +49,15 @@ BLACK = "black_level"
 NOISE_TABLE = ("read_noise", "shot_noise")  # what a profile without noise says not
 
 
+LARGER = "take frames at a gain at which noise is half a code or more"
+FEWEST = 5.0  # samples, of which the law of their number is normal
+
+
+class WithinCode(ValueError):
+    """Noise so small that codes do not tell it. Source of FEWEST: W. G. Cochran, Ann.
+    Math. Statist. 23(3), 1952 (the least expected count of a chi-square test)."""
+
+
 @dataclass(frozen=True)
 class DarksAndFlats:
     """frames : that decide; their statistics are as read. names : best first. least :
@@ -102,8 +111,8 @@ def darks_and_flats(
 
     alpha : chance of a false name. names : which may be named; None for all. say : is
     called with what is being done and the share that is done. saved : a file of
-    saved_statistics. Raises ValueError where their noise is not known, and for a file
-    that is not of them."""
+    saved_statistics. Raises ValueError where their noise is not known, WithinCode if
+    for their codes, and for a file that is not of them."""
     sensor, white = captures.sensor, captures.sensor.signal_range
     least = math.log(len(every_name()) / alpha)  # each name may be false
     frames = uniform_frames(
@@ -124,6 +133,7 @@ def darks_and_flats(
         whole = stated.without(whole, profile)
     splits = [whole.of_splits([split]) for split in (TRAINING, VALIDATION)]
     both = whole.of_splits((TRAINING, VALIDATION))
+    _check_codes(both)
     say("fitting darks and flats", 0.55)
     together = fit(both, profile)
     # What is new in every flat, one flat does not show: those of both splits do.
@@ -140,10 +150,9 @@ def darks_and_flats(
                 "split, which tell."
             )
     if not all(one.is_settled for one in fits):
-        raise ValueError(
+        raise WithinCode(
             f"{frames.captures[0].name}: noise lies within a code, and what codes hide "
-            "of these frames has several explanations; take frames at a gain at which "
-            "noise is half a code or more"
+            f"of these frames has several explanations; {LARGER}"
         )
     if both.dark_codes == 2:
         notes.append(
@@ -233,6 +242,25 @@ def darks_and_flats(
         amplifiers,
         stated,
     )
+
+
+def _check_codes(statistics: ConstantStatistics) -> None:
+    """Raise WithinCode where hardly a sample of darks lies off the commonest code in
+    two frames that repeat each other: chance in their number is read as a pattern."""
+    darks = np.flatnonzero(~statistics.is_flat)
+    frames = statistics.frames[darks]
+    both_off, most = np.zeros(len(darks)), np.zeros(len(darks))
+    for plane in statistics.planes:
+        codes = plane.codes[darks].astype(float)
+        off = 1 - codes.max(axis=1) / codes.sum(axis=1)
+        both_off += plane.unmasked * off**2 * np.maximum(frames * (frames - 1) / 2, 1)
+        most = np.maximum(most, off)
+    for g in np.flatnonzero(both_off < FEWEST):
+        raise WithinCode(
+            f"{statistics.groups[darks[g]].frames[0]}: noise lies within a code: all "
+            f"but {most[g]:.2%} of its pixels have one code, and noise is not told "
+            f"from patterns; {LARGER}"
+        )
 
 
 def _steps(sensor: Sensor) -> dict[str, float]:

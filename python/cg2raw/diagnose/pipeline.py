@@ -12,7 +12,7 @@ import numpy as np
 
 from cg2raw.blas_threads import one_blas_thread
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.darks_and_flats import darks_and_flats
+from cg2raw.diagnose.darks_and_flats import WithinCode, darks_and_flats
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
 from cg2raw.diagnose.effects.catalogue import candidates, of_images
 from cg2raw.diagnose.frames.reader import read_frames
@@ -102,6 +102,23 @@ def diagnose(
             interrupted = isinstance(ended, KeyboardInterrupt)
             found = unfinished(capture_set, interrupted=interrupted)
         except ValueError as error:
+            rest = [c for c in capture_set.captures if c.kind != "dark"]
+            is_of_darks = 0 < len(rest) < len(capture_set.captures)
+            if isinstance(error, WithinCode) and is_of_darks and not statistics:
+                found = diagnose(
+                    replace(capture_set, captures=rest),
+                    alpha=alpha,
+                    most=most,
+                    without=without,
+                    only=only,
+                    progress=said_of_images,
+                    threads=threads,
+                    pixels=pixels,
+                    details=details,
+                    time_limit=deadline and max(deadline - time.monotonic(), 0.0),
+                )
+                notes.append(f"Darks are left out: {error}.")
+                return replace(found, notes=[*notes, *found.notes])
             if is_all or statistics:
                 raise
             notes.append(f"Darks and flats decide nothing: {error}.")

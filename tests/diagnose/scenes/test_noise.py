@@ -34,10 +34,10 @@ def test_noise_factors_are_those_of_light_and_of_the_readout(defects, coding):
     """Thousands of samples tell a variance to 3 %; the nearest of the defects, which
     look like noise, add up to a tenth. Rounding of coarse codes, a fifth of the
     read-out's, stays."""
-    assert fitted(1, defects, coding)[0] == pytest.approx([1.7, 0.6], rel=0.15)
+    assert fitted(1, defects, **coding)[0] == pytest.approx([1.7, 0.6], rel=0.15)
 
 
-def fitted(seed, defects=0.0, coding={}):
+def fitted(seed, defects=0.0, **coding):
     given = sensor_of(**coding)
     points = [at(given, kind=kind) for kind in ("dark", "flat", "scene")]
     residuals = []

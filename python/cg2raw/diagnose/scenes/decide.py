@@ -73,7 +73,7 @@ class Scenes:
     model : the profile, effects at their values, and calibrated noise. nats : of
     effects without derivatives, on validation frames; shapes : values and standard
     errors of each. least_flicker : the amplitude that validation frames would show.
-    of_noise : (2, 2), the information by which noise was fitted; None where it is known.
+    of_noise : (2, 2), the information by which noise was fitted; None where it is not.
     ended : what came in between, Ctrl-C or the time limit."""
 
     capture_set: CaptureSet

@@ -63,7 +63,7 @@ def noise_parts(point: Point) -> Array:
     return np.stack(np.broadcast_arrays(light, readout))
 
 
-def freedom_of(n: int, points: Sequence[Point], of_noise: Array) -> float:
+def freedom_of(n: float, points: Sequence[Point], of_noise: Array) -> float:
     """Return the degrees of freedom of the chi-square of @n samples, whose noise is
     known by the information (2, 2) of another fit."""
     shares = [

@@ -47,8 +47,6 @@ WHERE: Mapping[str, str] = {
 }
 
 
-
-
 class Residuals:
     """Sums over the test scenes that are added.
 
@@ -232,7 +230,9 @@ def _normal(sums: Array, variances: Array, slopes: Array | None = None) -> Array
     return np.asarray(every[:, enough] / np.sqrt(variances[enough]))
 
 
-def _variances(z: Array, used: Array, shares: Array, labels: Array, count: int) -> Array:
+def _variances(
+    z: Array, used: Array, shares: Array, labels: Array, count: int
+) -> Array:
     """By the squares of normal residuals, of which each has the variance 2. shares :
     (2, T, h, w) of the variance, of light and of the read-out."""
     labels = np.broadcast_to(labels, z.shape)[used]
