@@ -44,10 +44,8 @@ class Model:
 
     def with_term(self, term: Term) -> "Model":
         """Return the model with a term added, or in the place of its namesake."""
-        if self.term(term.name) is None:
-            return replace(self, terms=(*self.terms, term))
-        terms = tuple(term if t.name == term.name else t for t in self.terms)
-        return replace(self, terms=terms)
+        terms = {t.name: t for t in self.terms} | {term.name: term}
+        return replace(self, terms=tuple(terms.values()))
 
     def with_effect(self, effect: Effect, values: Values) -> "Model":
         """Return the model with an effect at values."""
