@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from cg2raw.dataset.keys import hashed
 from cg2raw.sensor import Sensor
-from cg2raw.upi import PAPER_SENSORS, Upi
+from cg2raw.upi import Upi
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def upi(sensor: Sensor, scene: Scene, seed: int) -> Camera:
     key = (seed, scene.image, sensor.id, scene.illuminant_index, scene.patch)
     draw_seed = hashed("upi", *key)
     gain = "upi" if scene.asked_gain == "sample" else scene.asked_gain
-    drawn = Upi(sensor, matrices=PAPER_SENSORS, digital_gain=gain).draw(draw_seed)
+    drawn = Upi(sensor, digital_gain=gain).draw(draw_seed)
     return Camera(drawn.sensor, drawn.illuminant, drawn.digital_gain, draw_seed)
 
 

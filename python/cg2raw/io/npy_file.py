@@ -40,7 +40,7 @@ def frames_of_npz(path: str, image: str | None = None) -> list[RawFile]:
     """Return the arrays of an .npz, or the one whose name is given, each as a frame
     that is read where it is used. Raises ValueError, OSError."""
     check_readable(path)  # NumPy's own message of a missing file has no path
-    with whole(path, ".npz"), np.load(path, allow_pickle=False) as stored:
+    with whole(path, ".npz"), np.load(path) as stored:
         shapes = {name: shape_in(stored, name) for name in sorted(stored.files)}
     if image is not None and image not in shapes:
         raise ValueError(f"{path}: has no array {image}; it has {', '.join(shapes)}")
@@ -63,7 +63,7 @@ def of_npz(path: str, name: str, shape: tuple[int, ...]) -> RawFile:
     """Return one array of an .npz as a frame. Raises ValueError."""
 
     def read(levels: object) -> RawImage:
-        with whole(path, ".npz"), np.load(path, allow_pickle=False) as stored:
+        with whole(path, ".npz"), np.load(path) as stored:
             return as_dn(f"{path}: {name}", stored[name])
 
     if len(shape) != 2:

@@ -33,7 +33,7 @@ class Table:
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
-    numbers: int = 1
+    numbers: int
 
 
 @dataclass(frozen=True)
