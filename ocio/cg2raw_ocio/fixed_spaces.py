@@ -53,14 +53,11 @@ def scene_spaces() -> tuple[Space, ...]:
     return linear, interchange_space(), acescg, acescct
 
 
-def interchange_space(
-    name: str = "ACES2065-1",
-    aliases: Sequence[str] = ("aces2065_1", "lin_ap0", "lin_ap0_scene"),
-) -> Space:
+def interchange_space(name: str = "ACES2065-1") -> Space:
     """Return ACES2065-1, through which configs of other references are reached."""
     return _aces_space(
         name,
-        list(aliases),
+        ["aces2065_1", "lin_ap0", "lin_ap0_scene"],
         "ACES interchange space: linear, AP0 primaries.",
         ["UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"],
     )

@@ -102,7 +102,7 @@ def merged_config(
     ours.setVersion(2, 0)
     ours.setFamilySeparator("/")
     # By the studio's name, so that merging takes the studio's and drops this one.
-    ours.addColorSpace(interchange_space(name, aliases=()))
+    ours.addColorSpace(interchange_space(name))
     ours.setRole(ocio.ROLE_INTERCHANGE_SCENE, name)
     spaces, inactive = all_raw_spaces(profiles, illuminants, exposure)
     for space in spaces:

@@ -74,6 +74,7 @@ colorspaces:
     from_scene_reference: !<BuiltinTransform> {style: ACEScg_to_ACES2065-1}
   - !<ColorSpace>
     name: graded
+    aliases: [lin_ap0]
     from_scene_reference: !<FileTransform> {src: "grade_${SHOT}.cube"}
   - !<ColorSpace> {name: old}
   - !<ColorSpace> {name: data, isdata: true}
