@@ -9,7 +9,14 @@ import pytest
 
 from calibration.planted import ISO, sensor_of
 from calibration.test_table import figure
-from cg2raw.calibration.fitting import changed, in_dn, of_all, of_flats, within_code
+from cg2raw.calibration.fitting import (
+    changed,
+    in_dn,
+    lowest_code,
+    of_all,
+    of_flats,
+    within_code,
+)
 from cg2raw.calibration.measured import Measured
 from cg2raw.calibration.sites import Sites
 
@@ -76,6 +83,18 @@ def test_gain_of_flats_of_one_level_is_as_sure_as_noise_without_light(
     known = Measured(256.0, pytest.approx(12**-0.5), "DN")
     assert black == (known if lost else None)
     assert of_all(found, "PRNU") == Measured(0.01, 0.001, "1")
+
+
+@pytest.mark.parametrize(("is_cut", "code"), [(True, 21), (False, 1)])
+def test_codes_are_counted_from_the_lowest_that_their_steps_lie_on(is_cut, code):
+    """Of 21 and 25 in darks, 41 in flats: steps of 4 DN from 1 DN on."""
+    codes = np.bincount([21, 25, 48 + 41], minlength=2 * 48).reshape(2, 48)
+    seen = SimpleNamespace(
+        darks=[0],
+        sites=SimpleNamespace(step=4),
+        statistics=SimpleNamespace(planes=[SimpleNamespace(codes=codes)]),
+    )
+    assert lowest_code(seen, is_cut) == code
 
 
 @pytest.mark.parametrize(("error", "known"), [(0.1, 0.1), (0.5, 12**-0.5)])
