@@ -146,6 +146,9 @@ def test_files_of_one_camera_become_its_profile():
     assert [c["light_source"] for c in profile.calibrations] == ["D65"]
     assert any("black levels differ" in note for note in notes)
     assert any("1 of 3 files record no white balance" in note for note in notes)
+    for white, bits in ((63, 8), (255, 8), (256, 9)):  # no profile has fewer than 8
+        fields, _ = profile_from_raw_files([example(white_level=white)])
+        assert fields["bits"] == bits
 
 
 @pytest.mark.parametrize(
@@ -240,6 +243,7 @@ def test_no_maker_note_has_no_temperature(tmp_path):
 
 def test_threads_read_at_a_time_and_libraries_say_nothing(tmp_path, capfd):
     path = str(write_dng(tmp_path / "one.dng", shape=(64, 96)))
+    before = os.listdir("/proc/self/fd")
     inside = threading.Barrier(2, timeout=60)
 
     def read():
@@ -253,6 +257,7 @@ def test_threads_read_at_a_time_and_libraries_say_nothing(tmp_path, capfd):
     with ThreadPoolExecutor(2) as pool:
         shapes = [pool.submit(read) for _ in range(2)]
         assert [shape.result() for shape in shapes] == [(64, 96)] * 2
+    assert os.listdir("/proc/self/fd") == before
     os.write(2, b"said again")
     assert capfd.readouterr().err == "said again"
 
