@@ -141,13 +141,14 @@ def test_what_is_said_of_such_a_path_is_said_of_its_own(tree, kind):
     assert raised.value.filename == str(tree / "a/b/file")
 
 
-def test_a_folder_that_fails_to_open_leaves_no_descriptor(tree):
+def test_what_fails_to_open_leaves_no_descriptor(tree):
     before = len(os.listdir("/proc/self/fd"))
     for below in ("a/link", "a/c", "..", "a/b/file"):
         with pytest.raises(OSError):
             system.Folder(str(tree), below)
-    with system.Folder(str(tree), "a/b"):
-        pass
+    os.mkfifo(tree / "a/b/pipe")
+    with system.Folder(str(tree), "a/b") as folder, pytest.raises(OSError):
+        folder.open("pipe", os.O_RDONLY)
     assert len(os.listdir("/proc/self/fd")) == before
 
 
