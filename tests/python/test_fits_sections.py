@@ -165,12 +165,14 @@ def test_amplifiers_of_one_image_have_a_bias_each(tmp_path):
 
 def amplifiers(path, across, down, order=1, binning=1, **more):
     """Write LIGHT as an extension for each of across x down amplifiers, all mirrored
-    but the first column and row, each with a bias and overscan of its own."""
+    but the first column and row, each with a bias and overscan of its own, in a window
+    of the detector."""
     hdus, height, width = [], 12 // down, 16 // across
     for n in range(across * down):
         row, col = divmod(n, across)
         part = LIGHT[row * height :][:height, col * width :][:, :width]
         y, x = [row * height + 1, (row + 1) * height], [col * width, (col + 1) * width]
+        y, x = [n + 20 for n in y], [n + 30 for n in x]
         part = part[:: -1 if row else 1, :: -1 if col else 1]
         x[0] += 1
         y[0], x[0] = (y[0] - 1) * binning + 1, (x[0] - 1) * binning + 1
