@@ -16,6 +16,7 @@ tifffile = pytest.importorskip("tifffile", reason="tifffile is not installed")
 
 DN = np.random.default_rng(2).integers(0, 65536, (12, 16)).astype(np.uint16)
 DN[0, :2] = 0, 65535
+TEXTS = [b"Exif:PhotographicSensitivity\x00400", b"ExposureTime\x000.25"]
 
 
 def tiff(path, pixels, **fields):
@@ -81,10 +82,10 @@ def test_whole_numbers_of_other_types_are_dn(tmp_path, kind):
 
 @pytest.mark.parametrize("chunks", [[], [(b"gAMA", struct.pack(">I", 45455))]])
 def test_words_of_a_png_have_no_curve(tmp_path, chunks):
-    path = png(tmp_path / "a.png", DN, texts=[b"ExposureTime\x000.25"], chunks=chunks)
+    path = png(tmp_path / "a.png", DN, texts=TEXTS, chunks=chunks)
     file = open_raw(path)
     np.testing.assert_array_equal(file.mosaic(), DN)
-    assert file.header.exposure_time == 0.25
+    assert (file.header.iso, file.header.exposure_time) == (400, 0.25)
 
 
 @pytest.mark.parametrize("most", [255, 256, 4095, 65535])

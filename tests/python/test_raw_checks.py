@@ -119,8 +119,8 @@ def test_an_area_is_that_of_the_file_which_stays_as_it_is():
 
 
 def test_a_sentence_on_many_frames_is_said_once():
-    said = [(f"{n}.fits", ["warm", "odd"] if n == 2 else ["warm"]) for n in range(5)]
+    said = [(f"{n}.fits", ["warm", "odd"] if n < 3 else ["warm"]) for n in range(5)]
     assert together(said) == [
         "0.fits, 1.fits, 2.fits and 2 more: warm",
-        "2.fits: odd",
+        "0.fits, 1.fits, 2.fits: odd",
     ]
