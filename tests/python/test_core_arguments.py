@@ -189,6 +189,9 @@ def test_a_message_names_the_argument_its_value_and_what_it_may_be():
     assert message_of(cg2raw.philox_words, (0, 0, 0, -1), (0, 0)).startswith(
         "philox_words(): a number out of range, or a wrong type: counter (0, 0, 0, -1)"
     )
+    assert message_of(_core.SpectralResponse, SENSOR.profile, "A", [400], 1.0) == (
+        "SpectralResponse(): light 'A' must be an Illuminant or a sequence of values"
+    )
     assert message_of(cg2raw.Simulation, SENSOR.profile, (4, 4), RGB) == (
         "Simulation(): run an array (16, 24, 3) of float32 must be a Run"
     )
