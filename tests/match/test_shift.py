@@ -10,7 +10,9 @@ from cg2raw.match import Levels, shift_between, shift_of
 from cg2raw.match.comparison import stops_words, times_words
 from cg2raw.match.shift import (
     LEVEL,
+    MOST_SHIFT,
     any_shape,
+    chances,
     intervals,
     normal,
     shape_of,
@@ -110,6 +112,13 @@ def test_bounds_count_as_such():
     )
     assert white.sum() + black.sum() > 1500
     assert fitted(scenes[0], captures)[:2] == pytest.approx([1.5, 1.5], abs=0.1)
+
+
+def test_half_of_even_scenes_lie_below_a_bound_in_their_middle():
+    """And half above, if nothing is shifted; 1 % of frames tell nothing."""
+    middle = np.array([-4.0])
+    found, _ = chances(np.linspace(-5, -3, 9), Levels(NONE, middle, middle))
+    assert found[:, MOST_SHIFT] == pytest.approx(0.99 / 2, abs=1e-4)
 
 
 def test_a_few_frames_that_tell_nothing_do_not_matter():
