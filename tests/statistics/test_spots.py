@@ -7,7 +7,7 @@ import pytest
 from numpy.polynomial.legendre import legval2d
 from scipy.ndimage import gaussian_filter
 
-from cg2raw.statistics.spots import spots_of
+from cg2raw.statistics.spots import _noise_of, spots_of
 
 SHAPE = (112, 144)
 ROWS, COLUMNS = np.indices(SHAPE)
@@ -68,3 +68,12 @@ def test_a_spot_of_a_large_frame_is_where_it_is():
     assert (row, column) == pytest.approx((130.5, 250.5), abs=4)
     assert 14 <= radius <= 14 + 5 + 2 * 4  # a disc, its blur, two cells
     assert found.tried == 7 * 520 * 640 / 4**2
+
+
+@pytest.mark.parametrize("scale", [1.0, 4.0])
+def test_white_noise_in_a_spot_less_its_surroundings_is_that_of_both_gaussians(scale):
+    """Their squares, summed; the smallest is sampled coarsely."""
+    one = np.zeros((99, 99))
+    one[49, 49] = 1
+    weights = gaussian_filter(one, scale) - gaussian_filter(one, 2 * scale)
+    assert _noise_of(scale) == pytest.approx(np.sqrt(np.sum(weights**2)), rel=2e-3)
