@@ -11,6 +11,7 @@ from matplotlib import image, style
 from matplotlib.figure import Figure
 
 import cg2raw
+from cg2raw.io.figure import drawn
 from cg2raw.profile import plot, summary
 from dng import dng_files
 from oracles import cameras
@@ -85,6 +86,8 @@ def test_the_same_profile_gives_the_same_bytes():
     with style.context("dark_background"):  # as a user's matplotlibrc may say
         assert png == plot.plot_png(cg2raw.Sensor("samsung-s20fe"))
     assert png != plot.plot_png(cg2raw.Sensor("nikon-d40"))
+    photograph = drawn(1.0, lambda figure: None, colors=None)
+    assert b"Software" not in photograph  # which would be matplotlib and its version
 
 
 def axes_of(sensor):
