@@ -113,6 +113,13 @@ def test_electrons_per_dn_are_one_over_the_gain(error):
     assert gain.high == pytest.approx(most)
 
 
+def by_name(*groups):
+    """Return the figures of groups, (GroupInfo, frames), by name."""
+    readers = [(info, [lambda f=f: f for f in frames]) for info, frames in groups]
+    statistics = frame_statistics(readers, 1, 65535)
+    return {one.name: one for one in figures_of(statistics, fit(statistics))}
+
+
 def figures_of_darks(levels, noise, splits=("training",)):
     """Return the figures, by name, of darks of levels, DN, an equal number per split;
     and the means of the frames."""
@@ -121,16 +128,14 @@ def figures_of_darks(levels, noise, splits=("training",)):
         np.rint(level + noise * rng.standard_normal((60, 70))).astype(np.uint16)
         for level in levels
     ]
-    readers = [
+    groups = [
         (
             GroupInfo("dark", tuple("abcdef"[:many]), 0.1, split=split),
-            [lambda f=f: f for f in frames[many * n : many * (n + 1)]],
+            frames[many * n : many * (n + 1)],
         )
         for n, split in enumerate(splits)
     ]
-    statistics = frame_statistics(readers, 1, 65535)
-    found = {one.name: one for one in figures_of(statistics, fit(statistics))}
-    return found, np.array([frame.mean() for frame in frames])
+    return by_name(*groups), np.array([frame.mean() for frame in frames])
 
 
 def test_darks_of_two_splits_repeat_each_other():
@@ -156,22 +161,40 @@ def test_intervals_of_levels_are_those_of_few_frames():
     assert drift.freedom == 5
 
 
+DARKS = GroupInfo("dark", tuple("abcdef"), 0.1)
+
+
+def neighbours(axis, noise, of_rows=0.0):
+    """Return darks whose noise, DN, has 0.3 of the one before, and noise of rows."""
+    rng = np.random.default_rng(8)
+    own = rng.standard_normal((6, 61, 71))
+    own = (own + 0.3 * np.roll(own, 1, axis + 1))[:, 1:, 1:]
+    rows = of_rows * rng.standard_normal((6, 60, 1))
+    return np.rint(500 + noise * own + rows).astype(np.uint16)
+
+
 @pytest.mark.parametrize(
     ("axis", "there", "other"), [(0, "column", "row"), (1, "row", "column")]
 )
 def test_noise_of_neighbours_is_correlated_along_its_own_lines(axis, there, other):
     """Of 0.3 of the one before: r = 0.3 / (1 + 0.3^2), of three pairs of frames."""
-    rng = np.random.default_rng(8)
-    noise = rng.standard_normal((6, 61, 71))
-    noise = (noise + 0.3 * np.roll(noise, 1, axis + 1))[:, 1:, 1:]
-    frames = np.rint(500 + 9 * noise).astype(np.uint16)
-    info = GroupInfo("dark", tuple("abcdef"), 0.1)
-    statistics = frame_statistics([(info, [lambda f=f: f for f in frames])], 1, 65535)
-    found = {one.name: one for one in figures_of(statistics, fit(statistics))}
+    found = by_name((DARKS, neighbours(axis, 9.0)))
     for line, r in ((there, 0.3 / 1.09), (other, 0.0)):
         figure = found[f"correlation, next in {line}"]
         assert figure.standard_error == pytest.approx(1 / (3 * 4200) ** 0.5, rel=0.2)
         assert figure.value == pytest.approx(r, abs=4 * figure.standard_error)
+
+
+def test_a_frame_on_its_side_has_its_correlations_along_the_other_lines():
+    """Even of noise that codes hide, of which lines' noise shows a part."""
+    frames = neighbours(1, 0.25, of_rows=0.5)
+    plain, turned = (by_name((DARKS, f)) for f in (frames, frames.swapaxes(1, 2)))
+    for line, other in (("row", "column"), ("column", "row")):
+        one, same = (
+            found[f"correlation, next in {name}"]
+            for found, name in ((plain, line), (turned, other))
+        )
+        assert one.value == pytest.approx(same.value, rel=1e-3, abs=1e-3)
 
 
 def test_shading_is_known_no_better_than_the_light_of_its_flats():
