@@ -21,6 +21,7 @@ from diagnose.planted import (
     capture_of,
     drawn,
     frames_of,
+    model_of,
     sensor_of,
 )
 from tiers import slow
@@ -83,6 +84,17 @@ def assert_near(diagnosis, effect, values):
         half = (one.ci95[1] - one.ci95[0]) / 2
         # Four standard errors, of sixty parameters.
         assert abs(one.value - planted[parameter]) < 2.1 * half + 1e-9, parameter
+
+
+@pytest.mark.parametrize("detail", [0.0, 0.05])
+def test_a_shape_s_detail_is_found_if_it_is_there(detail):
+    model = model_of(SENSOR, lens_shading=(-0.3, *6 * (0.0,), detail))
+    scenes = decided(*images(model), names=("lens_shading",))
+    diagnosis = diagnosis_of_images(scenes, False)
+    found = diagnosis.effects[0].parameters
+    assert ("r2_cos2" in found) == bool(detail)
+    if detail:
+        assert found["r2_cos2"].value == pytest.approx(detail, rel=0.1)
 
 
 def test_distortion_is_no_registration():
