@@ -16,7 +16,7 @@ from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
 from cg2raw.synthetic.strengths import KINDS
 from diagnose.closed_loop import simulated
-from diagnose.planted import bare, stating
+from diagnose.planted import bare, changed, stating
 from tiers import slow
 
 SENSOR = drawn_sensor(5)
@@ -126,17 +126,25 @@ def test_what_may_not_be_named_is_not(allowed, named):
 
 # Of a limit; sets of frames, and how many of them at least, and at most, name it.
 @pytest.mark.parametrize(
-    ("share", "sets", "least", "most"), [(0.5, 2, 0, 0), slow(1.0, 20, 17, 20)]
+    ("name", "share", "sets", "least", "most"),
+    [
+        ("prnu", 0.5, 2, 0, 0),
+        ("black_level", 1.0, 1, 1, 1),  # of all sites, each of which has that limit
+        slow("prnu", 1.0, 20, 17, 20),
+    ],
 )
-def test_a_limit_is_seen_in_95_of_100_sets(consistent, share, sets, least, most):
+def test_a_limit_is_seen_in_95_of_100_sets(consistent, name, share, sets, least, most):
     limits = {one.name: one for one in consistent[0].detection_limits}
     assert limits["blur"].strength is None
-    strength = share * limits["prnu"].strength
+    strength = share * limits[name].strength
+    hidden = {} if name == "black_level" else {name: strength}
+    more = 0.0 if hidden else strength * WHITE
+    profile = changed(SENSOR, black_level=[b + more for b in SENSOR.black_level])
     found = [
-        names(diagnose(captures_of(11 + n, prnu=strength), details=False))
-        for n in range(sets)
+        names(diagnose(replace(made, sensor=profile), details=False))
+        for made in (captures_of(11 + n, **hidden) for n in range(sets))
     ]
-    assert least <= sum("prnu" in one for one in found) <= most
+    assert least <= sum(name in one for one in found) <= most
 
 
 def test_limits_are_beyond_what_the_profile_has():
