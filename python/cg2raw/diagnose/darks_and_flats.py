@@ -50,12 +50,13 @@ NOISE_TABLE = ("read_noise", "shot_noise")  # what a profile without noise says 
 
 
 LARGER = "take frames at a gain at which noise is half a code or more"
-FEWEST = 5.0  # samples, of which the law of their number is normal
+FEWEST_SAMPLES = 5.0  # samples, of which the law of their number is normal
 
 
 class WithinCode(ValueError):
-    """Noise so small that codes do not tell it. Source of FEWEST: W. G. Cochran, Ann.
-    Math. Statist. 23(3), 1952 (the least expected count of a chi-square test)."""
+    """Noise so small that codes do not tell it. Source of FEWEST_SAMPLES: W. G.
+    Cochran, Ann. Math. Statist. 23(3), 1952 (the least expected count of a chi-square
+    test)."""
 
 
 @dataclass(frozen=True)
@@ -255,7 +256,7 @@ def _check_codes(statistics: ConstantStatistics) -> None:
         off = 1 - codes.max(axis=1) / codes.sum(axis=1)
         both_off += plane.unmasked * off**2 * np.maximum(frames * (frames - 1) / 2, 1)
         most = np.maximum(most, off)
-    for g in np.flatnonzero(both_off < FEWEST):
+    for g in np.flatnonzero(both_off < FEWEST_SAMPLES):
         raise WithinCode(
             f"{statistics.groups[darks[g]].frames[0]}: noise lies within a code: all "
             f"but {most[g]:.2%} of its pixels have one code, and noise is not told "
