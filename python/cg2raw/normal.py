@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 CI95 = 1.959964  # standard errors to each side that hold 95 %
 ABOVE95 = 1.644854  # standard errors below the mean, above which 95 % lie
 MAD = 1.4826  # standard deviations in a median of absolute deviations
+# Of samples, on average, from which on their number is taken for normal. Source: W. G.
+# Cochran, Ann. Math. Statist. 23(3), 1952 (counts of a chi-square test).
+FEWEST_COUNT = 5.0
 TUKEY_LAMBDA = 0.14  # of the distribution of Tukey's that is nearest to a normal one
 
 

@@ -631,3 +631,20 @@ def test_planes_of_fewer_lines_than_blocks_have_empty_ones():
     noise, error = found.block_noise(0)
     assert noise.shape == error.shape == found.block_levels(0).shape == (1, 64)
     assert (error.reshape(8, 8) > 1).all(axis=1).sum() == 3  # rows of blocks of none
+
+
+@pytest.mark.parametrize(("rare", "codes"), [(4, 2), (5, 3)])
+def test_codes_of_darks_are_those_of_five_samples_in_each_plane(rare, codes):
+    """One plane has more; what flats have is not counted."""
+    dark = np.full((40, 60), 64, np.uint16)
+    dark[:20] = 65
+    for row, column in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        dark[row:20:2, column::2].flat[: rare + (row == 0)] = 66
+    lists = [[dark, np.roll(dark, 20, 0) // 66 + 64], drawn((40, 60), 2)]
+    groups = [
+        (replace(info, kind=kind), frames)
+        for (info, frames), kind in zip(
+            groups_of(*lists), ("dark", "flat"), strict=True
+        )
+    ]
+    assert measured(groups, 2).dark_codes == codes

@@ -25,7 +25,7 @@ from cg2raw.model.amplifier_mismatch import (
     amplifier_mismatch,
     unit_of,
 )
-from cg2raw.model.dark_levels import LEVELS
+from cg2raw.model.dark_levels import BLACK, LEVELS
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit, gain_of
 from cg2raw.model.flat_levels import FlatLevels, flat_levels, level_gains
@@ -41,22 +41,19 @@ from cg2raw.model.selection import LAMP, OF_LENS, Selection, selection
 from cg2raw.model.shapes import shapes
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.model.values import Value, effect_values
+from cg2raw.normal import FEWEST_COUNT
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.constant import Array, ConstantStatistics
 
 TRAINING, VALIDATION, TEST = GROUPS
-BLACK = "black_level"
 NOISE_TABLE = ("read_noise", "shot_noise")  # what a profile without noise says not
 
 
 LARGER = "take frames at a gain at which noise is half a code or more"
-FEWEST_SAMPLES = 5.0  # samples, of which the law of their number is normal
 
 
 class WithinCode(ValueError):
-    """Noise so small that codes do not tell it. Source of FEWEST_SAMPLES: W. G.
-    Cochran, Ann. Math. Statist. 23(3), 1952 (the least expected count of a chi-square
-    test)."""
+    """Noise so small that codes do not tell it."""
 
 
 @dataclass(frozen=True)
@@ -157,8 +154,9 @@ def darks_and_flats(
         )
     if both.dark_codes == 2:
         notes.append(
-            "Darks have two codes: the share of each tells noise or the black level, "
-            "which is taken from the profile; take darks at a higher gain."
+            "Darks have two codes, or hardly a pixel another: the share of each tells "
+            "noise or the black level, which is taken from the profile; take darks at "
+            "a higher gain."
         )
     say("dropping each name", 0.75)
     hot = listed_parameters(sensor, "hot_pixels")
@@ -256,7 +254,7 @@ def _check_codes(statistics: ConstantStatistics) -> None:
         off = 1 - codes.max(axis=1) / codes.sum(axis=1)
         both_off += plane.unmasked * off**2 * np.maximum(frames * (frames - 1) / 2, 1)
         most = np.maximum(most, off)
-    for g in np.flatnonzero(both_off < FEWEST_SAMPLES):
+    for g in np.flatnonzero(both_off < FEWEST_COUNT):
         raise WithinCode(
             f"{statistics.groups[darks[g]].frames[0]}: noise lies within a code: all "
             f"but {most[g]:.2%} of its pixels have one code, and noise is not told "

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cg2raw.io.atomic_file import write_atomically
+from cg2raw.normal import FEWEST_COUNT
 from cg2raw.statistics.patterns import Lattice, Spots
 
 Array = NDArray[np.float64]
@@ -273,9 +274,10 @@ class ConstantStatistics:
 
     @cached_property
     def dark_codes(self) -> int:
-        """How many codes darks have."""
-        darks = [plane.codes[~self.is_flat].any(axis=0) for plane in self.planes]
-        return len({int(code) for has in darks for code in np.flatnonzero(has)})
+        """How many codes darks have, of enough samples that their number tells, in the
+        plane that has fewest."""
+        darks = [plane.codes[~self.is_flat].sum(axis=0) for plane in self.planes]
+        return min(int((count >= FEWEST_COUNT).sum()) for count in darks)
 
     def darks_by_time(self, split: str | None = None) -> list[NDArray[np.intp]]:
         """Return the numbers of darks that repeat each other, of each exposure time,
