@@ -25,12 +25,13 @@ from cg2raw.statistics.constant import (
     ConstantStatistics,
 )
 
+FILTER = "noise_reduction"
 PARAMETERS = (  # of effects, in the order of values here
     ("read_noise_correlation", "coefficient"),
-    ("noise_reduction", "blend"),
-    ("noise_reduction", "diagonal"),
+    (FILTER, "blend"),
+    (FILTER, "diagonal"),
 )
-NAMES = {"read_noise_correlation": [0], "noise_reduction": [1, 2]}  # their places
+NAMES = {"read_noise_correlation": [0], FILTER: [1, 2]}  # their places
 LEAST_RELATIVE = 1e-4  # far below what variances are known to
 NOTHING: Array = np.zeros(3)
 ALONG = np.arange(-8, 9)  # px of a row, beyond which read noise has little in common
@@ -111,7 +112,7 @@ class Lags:
     def unreduced(self) -> tuple[Array, Array]:
         """The likeliest values and their covariance with no more noise reduction than
         the profile has."""
-        return self.fitted(_with(NAMES["noise_reduction"], self.null))
+        return self.fitted(_with(NAMES[FILTER], self.null))
 
     def fitted(
         self, pinned: Array, lowered: NDArray[np.bool_] | bool = False
@@ -261,10 +262,9 @@ def lag_gains(
     Noise reduction lowers read noise and gain alike: it is named if it is in the
     smallest set of these three that explains both; alike are those that may be in the
     place of one of these. least : nats that a name needs."""
-    nothing, reduction = np.full(3, np.nan), "noise_reduction"
-    places = NAMES[reduction]
+    nothing, places = np.full(3, np.nan), NAMES[FILTER]
     alike = np.array_equal(training.of, validation.of)
-    every = {reduction: len(places)}
+    every = {FILTER: len(places)}
     every |= {name: 1 for name in LOGARITHMS if alike and name in training.of}
 
     @cache  # each way asks for what the other has
@@ -273,7 +273,7 @@ def lag_gains(
         split, 0 or 1."""
         lags = (training, validation)[at]
         values, covariance = lags.unreduced
-        if reduction in names:
+        if FILTER in names:
             own = np.isin(lags.of, list(names))
             values, covariance = lags.fitted(nothing, ~own & alike)
         expected = np.full(len(lags.of), lags.lowered(values))
@@ -289,7 +289,7 @@ def lag_gains(
         def value(names: Collection[str], found: tuple[Array, Array, Array]) -> float:
             values, _, expected = found
             own = judge.unreduced[0]
-            if reduction in names:
+            if FILTER in names:
                 own = judge.fitted(_with(places, values))[0]
             return judge.value(own) + (judge.of_ratios(expected) if alike else 0.0)
 
@@ -308,7 +308,7 @@ def lag_gains(
     ]
     gains = {
         "read_noise_correlation": of_rows[0] - of_rows[1],
-        reduction: found.gains.get(reduction, 0.0),
+        FILTER: found.gains.get(FILTER, 0.0),
     }
     return SmallestSet(gains, found.alike), values, covariance
 

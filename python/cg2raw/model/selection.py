@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from cg2raw.model.dark_levels import LEVELS, DarkLevels
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, Prior, gain_of
-from cg2raw.model.lags import Blended, Lags, lag_gains
+from cg2raw.model.lags import FILTER, Blended, Lags, lag_gains
 from cg2raw.model.shapes import Shapes
 from cg2raw.model.shapes.dust import NAME as DUST
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
@@ -104,7 +104,7 @@ def selection(
     blended = None
     if lags is not None:
         (gains, alike), trained, covariance = lag_gains(*lags, least)
-        if gains["noise_reduction"] > least:
+        if gains[FILTER] > least:
             blended = Blended.of(lags[0], trained, covariance)
     known = training.known & validation.known
     places = _places_of(parameters, known)

@@ -21,10 +21,13 @@ class Blur(Effect):
     bounds = {"ring": (-0.6, 0.6), "red_scale": (-0.6, 0.6), "blue_scale": (-0.6, 0.6)}
     shapes = frozenset({"red_scale", "blue_scale"})
     signature = frozenset({"softener"})
-    # Far wings of a point spread function, and what is left along edges.
+    # Far wings of a point spread function, and what is left along edges. Where no darks
+    # tell the black level, wings lift what is dark as it does.
     taken_up_by = {
         "veiling_glare": 0.015,
+        "noise_reduction": 0.015,
         "crosstalk": 0.004,
+        "black_level": 0.004,
     }
 
     def size(self, values: Estimates) -> str:

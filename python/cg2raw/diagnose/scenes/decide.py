@@ -14,6 +14,7 @@ from functools import cached_property, reduce
 from operator import add
 
 import numpy as np
+from scipy.stats import ttest_1samp
 
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.diagnosis import ResidualTest
@@ -33,7 +34,7 @@ from cg2raw.diagnose.scenes.noise import (
 )
 from cg2raw.diagnose.scenes.nuisances import Nuisance, known_effects, nuisances_of
 from cg2raw.diagnose.scenes.point import Excess, Point, normal_of, point_of
-from cg2raw.diagnose.scenes.predict import predict
+from cg2raw.diagnose.scenes.predict import predict, variance_left
 from cg2raw.diagnose.scenes.registration import Placement, first_guess
 from cg2raw.diagnose.scenes.residuals import Residuals
 from cg2raw.diagnose.scenes.selection import Chosen, Selection
@@ -41,7 +42,9 @@ from cg2raw.diagnose.scenes.shapes import full_well, photons
 from cg2raw.diagnose.scenes.view import View, views_of
 from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
+from cg2raw.model.dark_levels import BLACK, DRIFT
 from cg2raw.model.flicker import NAME as FLICKER
+from cg2raw.model.lags import FILTER
 
 WELL, PHOTONS, BLUR = "full_well", "poisson_shot_noise", "blur"
 FIT, SELECT, REPORT = "fit", "select", "report"
@@ -191,7 +194,6 @@ class Scenes:
     def sums(self) -> Sums:
         """Return the normal equations of each set, in which views' own nuisances are
         integrated out."""
-        sets: Sums = {}
         counted, space = self._counted(), self.space
 
         def work(view: View) -> tuple[Normal, list[Nuisance]]:
@@ -204,8 +206,31 @@ class Scenes:
             bare = [replace(one, change=np.zeros(0)) for one in nuisances]
             return _without(normal, bare, True), bare
 
+        return self._by_set(work, self.views)
+
+    def _squares(self, model: Model) -> float:
+        """Return the squares of training and validation frames, which nuisances leave,
+        in the standard deviations of another model."""
+
+        def work(view: View) -> tuple[Normal, list[Nuisance]]:
+            point = self.point(view)
+            point.root = self.point(view, model).root
+            nuisances = self.nuisances(point)
+            normal = normal_of(point, [], Space.of({}), np.zeros(0), nuisances)
+            return _without(normal, nuisances, True), nuisances
+
+        views = [view for view in self.views if view.group != REPORT]
+        sets = self._by_set(work, views).values()
+        return sum(float(_without(*one, False).products[-1, -1]) for one in sets)
+
+    def _by_set(
+        self,
+        work: Callable[[View], tuple[Normal, list[Nuisance]]],
+        views: Sequence[View],
+    ) -> Sums:
+        sets: Sums = {}
         for view, (normal, nuisances) in zip(
-            self.views, self.workers.map(work, self.views), strict=True
+            views, self.workers.map(work, views), strict=True
         ):
             key = f"{view.group}/{view.frame.capture.set}"
             known = sets.get(key)
@@ -260,6 +285,7 @@ class Scenes:
                 break
         say("judging shapes", 0.8)
         self._refine()
+        self._doubt_black_level()
         self._measure_flicker()
         self._count_photons()
 
@@ -276,7 +302,7 @@ class Scenes:
             self.known,
         )
         self.chosen = self._chosen(select)
-        moved = self._move(sets)
+        moved = self._step(sets)
         moved |= self._fill_well()
         doubted = self.capture_set.nuisances & {"registration", "radiance"}
         if self._calibrates or doubted:
@@ -295,6 +321,13 @@ class Scenes:
                 if one.name in chosen.names
                 and not one.is_possible(self._with_profile(one, theta))
             }
+            # A filter would take its part of the noise, whatever it stands for.
+            shares = [
+                effect(other).taken_up_by.get(FILTER, 0.0) * gain
+                for other, gain in chosen.nats.items()
+            ]
+            if chosen.nats.get(FILTER, math.inf) < max(shares, default=0.0):
+                impossible.add(FILTER)
             if not impossible:
                 return chosen
             asked -= impossible
@@ -311,6 +344,29 @@ class Scenes:
         theta = self.both.fit(index)
         theta[index] += (self.theta - self._counted())[index]
         return theta
+
+    def _step(self, sets: Sums) -> bool:
+        """Move to the values of the chosen effects; return whether that was far.
+
+        Those that gain less than the linear model of the move is wrong by wait: they
+        would take up its errors, and are chosen anew where the others lead."""
+        theta, model, placements = self.theta, self.model, dict(self.placements)
+        counted = self._counted()
+        moved, chosen = self._move(sets), self.chosen
+        if len(chosen.names) < 2:
+            return moved
+        both = self.grams[FIT] + self.grams[SELECT]
+        predicted = both.squares - 2 * both.gain(self.theta - theta + counted)
+        wrong = abs(self._squares(model) - predicted) / 4  # nats of one of two splits
+        kept = [name for name in chosen.names if chosen.nats[name] >= wrong]
+        if len(kept) == len(chosen.names):
+            return moved
+        kept = kept or [*chosen.names[:1]]
+        self.theta, self.model, self.placements = theta, model, placements
+        nats = {name: chosen.nats[name] for name in kept}
+        self.chosen = replace(chosen, names=kept, nats=nats)
+        self._move(sets)
+        return True
 
     def _move(self, sets: Sums) -> bool:
         """Move to the values of the chosen effects; return whether that was far."""
@@ -499,6 +555,23 @@ class Scenes:
             return
         self._move(sets)
 
+    def _doubt_black_level(self) -> None:
+        """Say that a black level may be drift if scenes agree on it no better than by
+        chance: by Student's t of what each has."""
+        if BLACK not in self.chosen.names or DRIFT not in self.names:
+            return
+        own, counted = self.space.index([BLACK]), self._counted()
+        level, each = float(self.theta[own].mean()), []
+        for key, (normal, nuisances) in self.sums().items():
+            if key.partition("/")[0] != REPORT:
+                gram = _without(normal, nuisances, False).gram(self.space.size)
+                left = (gram.score - gram.information @ counted)[own].sum()
+                each.append(level + left / gram.information[np.ix_(own, own)].sum())
+        if ttest_1samp(each, 0.0).pvalue > self.alpha:
+            alike = [*self.chosen.alike.get(BLACK, ()), (DRIFT,)]
+            every = {**self.chosen.alike, BLACK: alike}
+            self.chosen = replace(self.chosen, alike=every)
+
     def _find_flicker(self) -> None:
         """Judge whether light comes in waves, and of which period."""
         if FLICKER not in self.names or self.stated_flicker is not None:
@@ -557,12 +630,13 @@ class Scenes:
 
     @property
     def freedom(self) -> float:
-        """Degrees of freedom of the chi-square of test frames, as noise is known."""
+        """Degrees of freedom of the chi-square of test frames, as noise is known: of
+        pixels that are blended, the fewer that they share noise."""
         n = max(self.grams[REPORT].n, 1)
-        if self.of_noise is None:
-            return n
-        points = [point for point in self.test_points[1] if not point.view.is_table]
-        return freedom_of(n, points, self.of_noise)
+        if self.of_noise is not None:
+            points = [point for point in self.test_points[1] if not point.view.is_table]
+            n = freedom_of(n, points, self.of_noise)
+        return n * variance_left(self.model)
 
     @property
     def of_flicker(self) -> float:

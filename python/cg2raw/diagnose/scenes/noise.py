@@ -13,7 +13,7 @@ from scipy.optimize import nnls
 from cg2raw.diagnose.scenes.gram import Array
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.point import Point
-from cg2raw.diagnose.scenes.predict import photon_gain
+from cg2raw.diagnose.scenes.predict import photon_gain, variance_left
 from cg2raw.normal import MAD
 
 ROUNDS = 6
@@ -36,6 +36,7 @@ def noise_factors(
         view, used = point.view, point.root > 0
         every.append(noise_parts(point)[:, used])
         own = (view.away**2).sum(0) / (view.n - 1) if view.n > 1 else residual**2
+        own = own / variance_left(point.model)
         whole = point.frame_variance if view.n > 1 else point.noise_variance
         others.append(np.maximum(whole[used] - every[-1].sum(0), 0))
         square.append(own[used])

@@ -128,8 +128,8 @@ def known_effects(sensor: Sensor) -> dict[Effect, Array]:
     for entry in json.loads(sensor.to_json()).get("effects", []):
         one = every()[entry["name"]].of_cfa(sensor.cfa)
         ends = entry.get("ci95", {})
-        if one.predicted and set(one.parameters) <= set(ends):
-            low, high = np.array([ends[name] for name in one.parameters]).T
+        if one.predicted and set(one.used) <= set(ends):
+            low, high = np.array([ends[name] for name in one.used]).T
             if (high > low).all():
                 found[one] = (high - low) / 2 / CI95
     return found

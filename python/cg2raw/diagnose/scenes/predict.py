@@ -33,16 +33,11 @@ def registry_values(model: Model, frame: Frame) -> list[tuple[str, list[float]]]
     that pixels share are no variance, but integrated out (point.offsets_of)."""
     effects = every()
     listed = {
-        name: list(stated.values())
-        for name, stated in model.profile_parameters.items()
+        name: values
+        for name, values in _values_of(model).items()
         if not isinstance(effects[name], FixedPattern)
         and not effects[name].whitens_variance
     }
-    for term in model.terms:
-        if term.effect.predicted:
-            old = np.array(listed.get(term.name, term.effect.null))
-            bounded = term.effect.within_registry_bounds(old + term.values)
-            listed[term.name] = bounded.tolist()
     sites = len(sites_of(model.sensor.cfa))
     if sites not in (BAYER, MONO):
         return list(listed.items())
@@ -154,11 +149,22 @@ def by_registry(
 
 
 def variance_left(model: Model) -> float:
-    """Return what a profile's blending of pixels leaves of the variance of noise."""
+    """Return what a model's blending of pixels leaves of the variance of noise."""
     left = 1.0
-    for name, stated in model.profile_parameters.items():
-        left *= every()[name].variance_left(np.array([*stated.values()]))
+    for name, values in _values_of(model).items():
+        left *= every()[name].variance_left(np.array(values))
     return left
+
+
+def _values_of(model: Model) -> dict[str, list[float]]:
+    """Return the values of effects that a profile states or that move a mean."""
+    listed = {n: [*stated.values()] for n, stated in model.profile_parameters.items()}
+    for term in model.terms:
+        if term.effect.predicted:
+            old = np.array(listed.get(term.name, term.effect.null))
+            bounded = term.effect.within_registry_bounds(old + term.values)
+            listed[term.name] = bounded.tolist()
+    return listed
 
 
 def _of_means(frame: Frame, variance: Array, samples: Array) -> Array:

@@ -140,8 +140,12 @@ class Selection:
 
     def _alike(self, names: Names, every: Names) -> dict[str, list[tuple[str, ...]]]:
         """Return, per name, the effects or pairs of them that do as well on all
-        scenes."""
+        scenes, but for a nat of each parameter that they have less. Source: H. Akaike,
+        IEEE Trans. Autom. Control 19(6), 1974."""
         both = self._train + self._validation
+
+        def size(some: Names) -> int:
+            return len(self._space.index(some))
 
         def score(some: Names) -> float:
             return both.gain(both.fit(self._space.index(some | self._known)))
@@ -154,7 +158,8 @@ class Selection:
                 some
                 for k in (1, 2)
                 for some in combinations(free, k)
-                if score(rest | {*some}) > least
+                if score(rest | {*some})
+                > least - max(size(frozenset({a})) - size(frozenset(some)), 0)
             ]
             found[a] = [s for s in same if not any(set(t) < set(s) for t in same)]
         return found

@@ -42,16 +42,16 @@ from cg2raw.diagnose.verdict.unexplained import (
 from cg2raw.diagnose.verdict.values import values_of
 from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
 from cg2raw.model.components import FREE
+from cg2raw.model.dark_levels import DRIFT
 from cg2raw.model.fit import Fit, refitted
 from cg2raw.model.flat_levels import CHANGES
+from cg2raw.model.lags import FILTER
 from cg2raw.model.likelihood import Likelihood, misfits
 from cg2raw.model.selection import NAMES
 from cg2raw.model.values import LOGARITHMS
 from cg2raw.normal import CI95
 from cg2raw.statistics.constant import ConstantStatistics
 
-FILTER = "noise_reduction"
-DRIFT = "black_level_drift"
 GAIN_ERRORS = 20.0  # that a gain of a noise table is: known to 5 %
 # What else an effect moves: the mean of a pattern, the variance of wider noise.
 MOVES: Mapping[str, tuple[str, ...]] = {
