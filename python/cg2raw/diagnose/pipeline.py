@@ -14,7 +14,7 @@ from cg2raw.blas_threads import one_blas_thread
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.darks_and_flats import WithinCode, darks_and_flats
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
-from cg2raw.diagnose.effects.catalogue import candidates, of_images
+from cg2raw.diagnose.effects.catalogue import candidates, of_images, of_means
 from cg2raw.diagnose.frames.reader import read_frames
 from cg2raw.diagnose.scenes.decide import decide
 from cg2raw.diagnose.scenes.flicker import is_shown
@@ -24,6 +24,7 @@ from cg2raw.diagnose.verdict.images import diagnosis_of_images
 from cg2raw.diagnose.verdict.together import together, with_images_alone
 from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
+from cg2raw.model.dark_levels import DRIFT
 from cg2raw.model.flicker import NAME as FLICKER
 from cg2raw.sensor import Sensor
 
@@ -86,9 +87,10 @@ def diagnose(
         raise ValueError(f"{statistics}: statistics are of darks and flats: none here")
     is_all = len(constant) == len(capture_set.captures)
     lit = of_images() | ({FLICKER} if is_shown(capture_set.captures) else set())
-    asked = names & (lit | {"black_level"})
+    asked = names & (lit | of_means() | {DRIFT})
     found, images = None, capture_set
     notes: list[str] = []
+    has_both = False
     shown: frozenset[str] = frozenset()
     if constant:
         try:
@@ -128,7 +130,10 @@ def diagnose(
         if found:
             used = [*seen.frames.captures, *seen.frames.spoiled]
             images = with_images_alone(capture_set, found, seen.frames.masked, used)
-            asked -= shown - lit
+            kinds = {one.kind for one in seen.statistics.groups}
+            has_both = {"dark", "flat"} <= kinds
+            told = shown if "dark" in kinds else shown - of_means()
+            asked -= (told | {one.name for one in found.effects}) - lit
     workers = Workers(threads, deadline)
     second = _of_images(
         images,
@@ -142,7 +147,7 @@ def diagnose(
         found is not None or most == 0,
     )
     say("done", 1.0)
-    whole = second if found is None else together(found, second)
+    whole = second if found is None else together(found, second, not has_both)
     whole = replace(whole, notes=[*notes, *whole.notes])
     return _finished(whole, names - shown - lit | asked, capture_set, started)
 

@@ -17,7 +17,7 @@ class AmplifierMismatch(Effect):
     name = "amplifier_mismatch"
     title = "amplifier mismatch"
     where = "a step in the middle of the frame, across or down"
-    of_mean = False
+    of_images = False
     signature = frozenset({"offset", "gain"})
     told_apart = {
         "bias_structure": "More darks: their mean tells a step in the middle, of two "

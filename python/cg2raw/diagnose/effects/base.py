@@ -49,8 +49,10 @@ class Effect:
     name : of the registry. title : in plain words. where : what residuals look like.
     of_mean : its parameters move the mean of images, which are fitted by derivatives;
         else darks and flats decide it, and images take it as the profile states it.
-    of_images : images tell it apart from others where flats do not.
-    fitted : parameters that are fitted, if they are not the registry's own.
+    of_images : images tell it apart from others where flats do not; what else moves the
+        mean is asked of them where no darks and flats show it.
+    fitted : parameters that are fitted, if they are not the registry's own. unfitted :
+        those of which images tell nothing.
     bounds : narrower than the registry's, by the beginning of a parameter's name.
     step : of numerical derivatives.
     affine : means are, in its parameters.
@@ -69,6 +71,7 @@ class Effect:
     where: ClassVar[str] = ""
     of_mean: ClassVar[bool] = True
     fitted: ClassVar[tuple[Parameter, ...]] = ()
+    unfitted: ClassVar[frozenset[str]] = frozenset()
     bounds: ClassVar[Mapping[str, tuple[float, float]]] = {}
     step: ClassVar[float] = 1e-3
     affine: ClassVar[bool] = True
@@ -172,8 +175,9 @@ class Effect:
 
     @property
     def used(self) -> list[str]:
-        """Parameters that the effect does not do without."""
-        return [n for n in self.parameters if self.detailed or n not in self.detail]
+        """Parameters that images are fitted by."""
+        left_out = self.unfitted | (set() if self.detailed else self.detail)
+        return [name for name in self.parameters if name not in left_out]
 
     @cached_property
     def is_used(self) -> NDArray[np.bool_]:

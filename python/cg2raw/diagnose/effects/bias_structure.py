@@ -13,7 +13,10 @@ class BiasStructure(Effect):
     name = "bias_structure"
     title = "bias structure"
     where = "a ramp over the frame, or its first columns, whatever the light"
-    of_mean = False
+    of_images = False
+    unfitted = frozenset({"edge", "edge_length"})  # too few columns
+    # First columns, and what is like them in few scenes.
+    taken_up_by = dict.fromkeys(("black_level", "lens_shading", "color_shading"), 1.0)
     signature = frozenset({"offset"})
     told_apart = {
         "black_level": "One dark: a black level lifts it evenly.",

@@ -56,6 +56,12 @@ def of_images() -> frozenset[str]:
     return frozenset(name for name in names() if effect(name).of_images)
 
 
+@cache
+def of_means() -> frozenset[str]:
+    """Return the names of the effects that move the mean of images."""
+    return frozenset(name for name in names() if effect(name).predicted)
+
+
 def candidates(cfa: str, without: Iterable[str] = ()) -> list[Effect]:
     """Return the effects that can be named for a CFA, as it has them, but for some.
 

@@ -16,8 +16,10 @@ from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis, Gap
 from cg2raw.diagnose.effects.catalogue import of_images
 from cg2raw.diagnose.scenes.decide import BLUR
-from cg2raw.diagnose.verdict.constant import FILTER
-from cg2raw.diagnose.verdict.findings import verdict_of
+from cg2raw.diagnose.verdict.findings import deciding_captures, verdict_of
+from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
+from cg2raw.model.lags import FILTER
+from cg2raw.model.selection import OF_LENS
 from cg2raw.sensor import Sensor
 
 
@@ -52,18 +54,23 @@ def _without(capture: Capture, masked: NDArray[np.bool_]) -> Capture:
     return replace(capture, mask=lambda: ~masked if own is None else own() & ~masked)
 
 
-def together(first: Diagnosis, second: Diagnosis) -> Diagnosis:
+def together(
+    first: Diagnosis, second: Diagnosis, of_one_kind: bool = False
+) -> Diagnosis:
     """Return the diagnosis of darks and flats, and of images by the profile that it
-    makes, as one."""
-    effects = [*first.effects, *second.effects]
+    makes, as one. of_one_kind : darks or flats alone."""
+    doubts = {}
     if any(FILTER in one.ambiguous_with for one in first.effects):
-        # Then what softens images may be the filter, too.
-        effects = [
-            replace(one, ambiguous_with=[*one.ambiguous_with, FILTER])
-            if one.name == BLUR
-            else one
-            for one in effects
-        ]
+        doubts[BLUR] = FILTER  # what softens images may be the filter, too
+    if of_one_kind and any(one.name == MISMATCH for one in first.effects):
+        # They tell its offset or its response, and images have the other as well.
+        doubts |= dict.fromkeys((*OF_LENS, "bias_structure"), MISMATCH)
+    effects = [
+        replace(one, ambiguous_with=[*one.ambiguous_with, doubts[one.name]])
+        if one.name in doubts
+        else one
+        for one in (*first.effects, *second.effects)
+    ]
     left = [*first.unexplained, *second.unexplained]
     if left:
         effects = [replace(one, provisional=True) for one in effects]
@@ -79,7 +86,7 @@ def together(first: Diagnosis, second: Diagnosis) -> Diagnosis:
         tests_after=[*first.tests_after, *second.tests_after],
         unexplained=left,
         detection_limits=_limits(first, second),
-        next_captures=[*first.next_captures, *second.next_captures],
+        next_captures=deciding_captures(effects),
         notes=list(dict.fromkeys([*first.notes, *second.notes])),
         groups={
             split: list(dict.fromkeys([*names, *second.groups[split]]))
