@@ -45,6 +45,9 @@ PLANTED = {
     "nonlinearity": (0.06, 0.02),
     "full_well": (0.55,),
     "black_level": (0.002, -0.001, 0.003, 0.001),
+    "bias_structure": (0.002, -0.001, 0.0, 0.0),
+    "amplifier_mismatch": (0.002, 0.0, 0.01, -0.02),
+    "noise_reduction": (0.05, 0.02),
 }
 
 

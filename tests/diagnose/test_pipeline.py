@@ -81,6 +81,41 @@ def test_a_strong_blur_is_found_by_steps_that_are_as_linear_as_they_seem():
     assert found.gap.chi2_after < 1.2 < 10 < found.gap.chi2_before
 
 
+@pytest.mark.parametrize(
+    ("name", "strength", "kinds", "others"),
+    [
+        ("bias_structure", 0.8, {"scene"}, {"amplifier_mismatch"}),
+        ("bias_structure", 0.8, {"scene", "flat"}, {"amplifier_mismatch"}),
+        ("amplifier_mismatch", 0.3, {"scene"}, set()),
+        slow("amplifier_mismatch", 0.3, {"scene", "dark"}, {"lens_shading"}),
+        ("noise_reduction", 0.1, {"scene"}, {"blur"}),
+        ("black_level", 0.5, {"scene"}, set()),
+    ],
+)
+def test_what_darks_would_show_is_none_of_the_lens(name, strength, kinds, others):
+    """Without darks, or without flats, scenes decide, or what is named in its place is
+    ambiguous with it."""
+    sensor, seed = drawn_sensor(103), 3
+    hidden = draw_hidden(sensor, {name: strength}, seed=seed)
+    made = simulate_captures(sensor, hidden, seed=seed, twice=True)
+    kept = [c for c in made.captures if c.kind in kinds]
+    found = diagnose(replace(made, captures=kept), details=False)
+    effects = {one.name: set(one.ambiguous_with) for one in found.effects}
+    assert effects.keys() <= {name, *others}
+    assert all(name in {one, *alike} for one, alike in effects.items())
+    assert found.effects and not found.unexplained
+
+
+def test_a_black_level_on_which_scenes_do_not_agree_may_be_drift():
+    sensor, seed = drawn_sensor(102), 2
+    hidden = draw_hidden(sensor, {"black_level_drift": 0.2}, seed=seed)
+    made = simulate_captures(sensor, hidden, seed=seed, twice=True)
+    kept = [c for c in made.captures if c.kind == "scene"]
+    found = diagnose(replace(made, captures=kept), details=False)
+    effects = {one.name: one.ambiguous_with for one in found.effects}
+    assert effects == {"black_level": ["black_level_drift"]}
+
+
 def test_darks_whose_noise_lies_within_a_code_have_no_part_in_it():
     """At 0.2 DN about a whole code one pixel in 80 has another: patterns were named."""
     made = changed(drawn_sensor(5), bits=10, white_level=1023, black_level=[4.0] * 4)

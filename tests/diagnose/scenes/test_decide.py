@@ -30,7 +30,9 @@ SENSOR = sensor_of()
 GROUPS = ("fit", "select", "report")
 # Of which tests/diagnose/test_pipeline.py shows the same, with darks.
 ELSEWHERE = ["exposure", "lens_shading", "gr_gb_imbalance", "black_level"]
-OTHERS = sorted(PLANTED.keys() - {*ELSEWHERE, "full_well"})  # see test_shapes
+# See test_shapes and test_pipeline: nobody blends noise here.
+NOT_HERE = {"full_well", "noise_reduction"}
+OTHERS = sorted(PLANTED.keys() - {*ELSEWHERE, *NOT_HERE})
 
 
 def images(model, seed=7, nuisances=frozenset(), **more):

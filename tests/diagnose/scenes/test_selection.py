@@ -64,6 +64,18 @@ def test_names_that_look_alike_are_said():
     assert [*found.alike.values()][0] in ([("one",)], [("two",)])
 
 
+@pytest.mark.parametrize(("more", "alike"), [(1, []), (3, [("narrow",)])])
+def test_an_effect_of_fewer_parameters_is_alike_within_a_nat_of_each(more, alike):
+    """What the wide one has besides gains 6 nats, of which 4.6 would be sure."""
+    space = Space.of({"wide": 1 + more, "narrow": 1})
+    rows = np.eye(1 + more)[[*range(1 + more), 0]]  # the narrow one is its first
+    z = np.sqrt(2 * np.array([100.0, 6.0, *np.zeros(more - 1)]))
+    gram = Gram(50, z @ z / 2, rows @ z / 2, rows @ rows.T / 2)
+    found = Selection(space, gram, gram, LEAST, 0.01).run(space.slices, 9)
+    assert found.names == ["wide"]
+    assert found.alike["wide"] == alike
+
+
 def test_the_most_names():
     assert chosen(pair([0.5, 0, 0, -0.3]), most=1).names == ["one"]
     assert chosen(pair([0.5, 0, 0, -0.3]), most=0).names == []

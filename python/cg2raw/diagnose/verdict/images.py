@@ -138,14 +138,19 @@ def _findings(
     gain, is taken up by another, known or any that does as well. That stays in the
     profile, and is not called an effect of its own."""
     nats = {**found.chosen.nats, **found.nats}
+    every = {
+        name: [some[0] for some in found.chosen.alike.get(name, ()) if len(some) == 1]
+        for name in nats
+    }
     findings, notes = [], []
     for name in sorted(nats, key=lambda one: -nats[one]):
-        alike = [some[0] for some in found.chosen.alike.get(name, ()) if len(some) == 1]
+        alike = every[name]
         vague = SHAPE_ERROR if len(alike) > 1 else 0.0
         larger = [
             other
             for other, gain in nats.items()
-            if nats[name] < max(effect(other).taken_up_by.get(name, 0.0), vague) * gain
+            for one in (other, *every[other])
+            if nats[name] < max(effect(one).taken_up_by.get(name, 0.0), vague) * gain
         ]
         if larger:
             share = nats[name] / nats[larger[0]]
