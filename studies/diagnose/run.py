@@ -70,7 +70,7 @@ def run_case(case: AnyCase, alpha: float, **limits: Any) -> dict[str, Any]:
     record["errors"] = errors(case.expected(), found)
     record["nats_needed"] = nats_needed(alpha)
     missed = [name for name in case.strengths if name not in record["named"]]
-    if missed and not case.without and case.suite != "unknown":
+    if missed and not case.without and case.suite not in ("unknown", "few"):
         record["evidence"] = case.evidence(missed)
         record["of_limits"] = of_limits(missed, case.expected(), found, captures.sensor)
     if case.suite == "closed-loop":

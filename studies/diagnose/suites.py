@@ -48,6 +48,8 @@ SUITES = {
     "nuisance": 2,
     "power": 12,
     "closed-loop": 2,
+    "few": 6,
+    "few-none": 200,
     "dense-1": 60,
     "dense-3": 40,
     "dense-5": 40,
@@ -61,7 +63,33 @@ PER_EFFECT = (
     "nuisance",
     "power",
     "closed-loop",
+    "few",
 )
+# Of the suites few, what each split has of each kind: how many levels, scenes or
+# exposure times, and how many frames of each.
+FEW: Sequence[Mapping[str, tuple[int, int]]] = [
+    {"dark": (2, 2)},
+    {"flat": (1, 2)},
+    {"flat": (2, 1)},
+    {"flat": (2, 2)},
+    {"dark": (1, 1), "flat": (1, 1)},
+    {"dark": (1, 2), "flat": (1, 1)},
+    {"dark": (1, 2), "flat": (1, 2)},
+    {"dark": (2, 1), "flat": (2, 1)},
+    {"dark": (2, 1), "flat": (2, 2)},
+    {"dark": (2, 2), "flat": (2, 1)},
+    {"scene": (1, 1)},
+    {"scene": (1, 2)},
+    {"scene": (2, 1)},
+    {"scene": (2, 2)},
+    {"dark": (1, 1), "scene": (1, 1)},
+    {"dark": (1, 1), "scene": (2, 2)},
+    {"dark": (2, 2), "scene": (2, 1)},
+    {"flat": (1, 1), "scene": (1, 1)},
+    {"flat": (2, 2), "scene": (2, 2)},
+    {"dark": (1, 1), "flat": (1, 1), "scene": (1, 1)},
+    {"dark": (2, 2), "flat": (2, 2), "scene": (1, 1)},
+]
 # Of the suite nine: all but one are hidden, each in turn is the one that is not.
 TEN = (
     *("black_level", "read_noise", "row_noise", "dsnu", "column_fixed_pattern"),
@@ -91,8 +119,9 @@ ONCE_UNKNOWN = ("lens_distortion", *UNKNOWN_KINDS, "amplifier_mismatch")
 @dataclass(frozen=True)
 class Case:
     """One synthetic camera, 36 frames: in each split darks of two exposure times, flats
-    of two levels and two scenes, each twice. strengths : effect -> strength. without :
-    effects that the diagnosis must not name."""
+    of two levels and two scenes, each twice; in the suites few, those of FEW by the
+    seed. strengths : effect -> strength. without : effects that the diagnosis must not
+    name."""
 
     suite: str
     number: int
@@ -141,8 +170,17 @@ class Case:
         found = simulate_captures(
             sensor, hidden, seed=self.seed, nuisances=self.nuisances, twice=True
         )
-        drawn_once = [replace(c, raw=cache(c.raw)) for c in found.captures]
+        few = FEW[self.seed % len(FEW)] if self.suite.startswith("few") else None
+        kept = [c for c in found.captures if few is None or _is_of(few, c.kind, c.name)]
+        drawn_once = [replace(c, raw=cache(c.raw)) for c in kept]
         return replace(found, captures=drawn_once), hidden
+
+
+def _is_of(few: Mapping[str, tuple[int, int]], kind: str, name: str) -> bool:
+    """Return whether a capture, as "fit_dark_0_again" or "fit_scene_1_0", is kept."""
+    levels, frames = few.get(kind, (0, 0))
+    _, _, level, *repeat = name.split("_")
+    return int(level) < levels and (repeat not in ([], ["0"])) < frames
 
 
 def _parameters(

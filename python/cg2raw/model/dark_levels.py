@@ -16,8 +16,7 @@ from cg2raw.model.mean_images import low_of
 from cg2raw.model.smallest_set import Way, smallest_set
 from cg2raw.statistics.constant import PARTS, Array, lines_of_mosaic, polynomials
 
-BLACK, DRIFT = "black_level", "black_level_drift"
-LEVELS = (BLACK, "dark_current", DRIFT)
+LEVELS = BLACK, CURRENT, DRIFT = "black_level", "dark_current", "black_level_drift"
 LENGTHS = 200  # of a decay that are tried: 2 % apart
 LONGEST = 1 / 3  # of the frame: a decay that ends in it, to a twentieth
 LOWEST = 0.1  # of the frame, where an amplifier's light is none

@@ -14,7 +14,7 @@ class LateralChromaticAberration(Effect):
     step = 0.02
     affine = False
     # How an image is displaced between pixels.
-    taken_up_by = {"blur": 0.01}
+    taken_up_by = {"blur": 0.01, "noise_reduction": 0.01}
     told_apart = {
         "blur": "Edges near the corners: lateral chromatic aberration moves red and "
         "blue in opposite ways and vanishes at the centre.",

@@ -14,7 +14,7 @@ class LensDistortion(Effect):
     step = 0.02
     affine = False
     # How an image is displaced between pixels.
-    taken_up_by = {"blur": 0.01}
+    taken_up_by = {"blur": 0.01, "noise_reduction": 0.01}
     told_apart = {
         "lateral_chromatic_aberration": "Coloured edges near the corners: distortion "
         "moves all colours alike, lateral chromatic aberration red and blue alone.",

@@ -14,6 +14,7 @@ from functools import cached_property, reduce
 from operator import add
 
 import numpy as np
+from scipy.special import chdtrc
 from scipy.stats import ttest_1samp
 
 from cg2raw.diagnose.captures.capture import CaptureSet
@@ -42,7 +43,7 @@ from cg2raw.diagnose.scenes.shapes import full_well, photons
 from cg2raw.diagnose.scenes.view import View, views_of
 from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
-from cg2raw.model.dark_levels import BLACK, DRIFT
+from cg2raw.model.dark_levels import BLACK, CURRENT, DRIFT
 from cg2raw.model.flicker import NAME as FLICKER
 from cg2raw.model.lags import FILTER
 
@@ -556,21 +557,33 @@ class Scenes:
         self._move(sets)
 
     def _doubt_black_level(self) -> None:
-        """Say that a black level may be drift if scenes agree on it no better than by
-        chance: by Student's t of what each has."""
-        if BLACK not in self.chosen.names or DRIFT not in self.names:
+        """Say what else a black level may be, which no darks tell: drift, if scenes
+        agree on it no better than by chance (Student's t of what each has); dark
+        current, if it lifts all sites alike."""
+        if BLACK not in self.chosen.names:
             return
         own, counted = self.space.index([BLACK]), self._counted()
-        level, each = float(self.theta[own].mean()), []
+        levels, each = self.theta[own], []
         for key, (normal, nuisances) in self.sums().items():
             if key.partition("/")[0] != REPORT:
                 gram = _without(normal, nuisances, False).gram(self.space.size)
                 left = (gram.score - gram.information @ counted)[own].sum()
-                each.append(level + left / gram.information[np.ix_(own, own)].sum())
-        if ttest_1samp(each, 0.0).pvalue > self.alpha:
-            alike = [*self.chosen.alike.get(BLACK, ()), (DRIFT,)]
-            every = {**self.chosen.alike, BLACK: alike}
-            self.chosen = replace(self.chosen, alike=every)
+                each.append(left / gram.information[np.ix_(own, own)].sum())
+        index = self.space.index(self.fitted)
+        at = np.searchsorted(index, own)
+        known = np.linalg.inv(self.both.covariance(index)[np.ix_(at, at)])
+        mean = float((known @ levels).sum() / known.sum())
+        apart = float((levels - mean) @ known @ (levels - mean))
+        may_be = {
+            DRIFT: ttest_1samp(mean + np.array(each), 0.0).pvalue > self.alpha,
+            CURRENT: mean > 0
+            and chdtrc(len(own) - 1, apart) > self.alpha
+            and all(view.frame.seconds for view in self.views),
+        }
+        alike = list(self.chosen.alike.get(BLACK, ()))
+        alike += [(name,) for name, may in may_be.items() if may and name in self.names]
+        every = {**self.chosen.alike, BLACK: alike}
+        self.chosen = replace(self.chosen, alike=every)
 
     def _find_flicker(self) -> None:
         """Judge whether light comes in waves, and of which period."""

@@ -48,6 +48,7 @@ from cg2raw.model.flat_levels import CHANGES
 from cg2raw.model.lags import FILTER
 from cg2raw.model.likelihood import Likelihood, misfits
 from cg2raw.model.selection import NAMES
+from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.model.values import LOGARITHMS
 from cg2raw.normal import CI95
 from cg2raw.statistics.constant import ConstantStatistics
@@ -314,6 +315,8 @@ def _alike(
         others += [one for one in grown if one in names]
     if name == "prnu" and "shot_noise" not in found.selection.gains:
         others += ["shot_noise"]  # flats that nothing repeats have both in their pixels
+    if name == "read_noise" and TAILS not in found.selection.gains and TAILS in names:
+        others += [TAILS]  # likewise of darks
     if name in found.selection.unsure and all(map(_may_be_zero, values.values())):
         gains = found.selection.gains
         free = [one for one in MOVES if one not in chosen and gains.get(one, 0.0) > 0]
