@@ -187,9 +187,9 @@ def darks_and_flats(
         together,
     )
 
-    def gains_of_levels(named: Sequence[str], is_slight: bool) -> dict[str, float]:
+    def gains_of_levels(doubted: Collection[str]) -> dict[str, float]:
         each = [
-            levels_of(captures, frames, one, of_split, named, stated, is_slight)
+            levels_of(captures, frames, one, of_split, named, stated, doubted)
             for one, of_split in zip(splits, fits, strict=True)
         ]
         if each[0] is None or each[1] is None:
@@ -197,7 +197,7 @@ def darks_and_flats(
         return level_gains(each[0], each[1], least)
 
     named = found.kept(least)
-    of_levels = gains_of_levels(named, False)
+    of_levels = gains_of_levels(())
     gains, alike = {**found.gains, **of_levels}, dict(found.alike)
     needed = {name for name, gain in of_levels.items() if gain > least}
     # What is too little to be named, or not shown without darks, may move levels.
@@ -205,7 +205,7 @@ def darks_and_flats(
     doubted |= {BLACK} if both.is_flat.all() else set()
     doubted &= {*every_name()} if names is None else {*names}
     for other in sorted(doubted, reverse=True):  # shading of all colours first
-        again = gains_of_levels([*named, other], True) if needed else {}
+        again = gains_of_levels([other]) if needed else {}
         left = {name for name, gain in again.items() if gain > least}
         if left < needed:
             alike |= {n: (*alike.get(n, ()), other) for n in needed - left}
@@ -295,14 +295,13 @@ def levels_of(
     found: Fit,
     named: Collection[str],
     stated: StatedShapes,
-    is_slight: bool = False,
+    doubted: Collection[str] = (),
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none of known light, and of parts
     of frames, which light that falls off reaches by less.
 
     statistics : of some of the frames, without the shapes that are stated. found :
-    their fit. named : effects that move the mean of a flat from its middle. is_slight :
-    as of flat_levels."""
+    their fit. named, doubted : as of flat_levels."""
     if frames.are_divided:
         return None
     sensor = captures.sensor
@@ -313,11 +312,9 @@ def levels_of(
         white=sensor.signal_range,
         light=captures.uncertainty.get("light", 0.0),
         nuisances=captures.nuisances,
-        is_shaded="lens_shading" in named,
-        is_colored="color_shading" in named,
+        named=named,
+        doubted=doubted,
         shaded=stated.mean,
-        is_slight=is_slight,
-        is_black_free=BLACK in named and bool(statistics.is_flat.all()),
     )
 
 

@@ -6,16 +6,18 @@ crosstalk.
 Each has its own pattern over the sites of the CFA and over the light. Several together
 can look like another: the set of names is chosen that needs fewest."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.model.dark_levels import BLACK
 from cg2raw.model.fit import Fit
 from cg2raw.model.levels import CUT
 from cg2raw.model.mean_images import low_of, middle_of
 from cg2raw.model.planes import PlaneLikelihood
+from cg2raw.model.selection import OF_LENS
 from cg2raw.model.smallest_set import Way, smallest_set
 from cg2raw.statistics.constant import PIXEL, Array
 
@@ -174,23 +176,21 @@ def flat_levels(
     white: float,
     light: float = 0.0,
     nuisances: frozenset[str] = frozenset(),
-    is_shaded: bool = False,
-    is_colored: bool = False,
+    named: Collection[str] = (),
+    doubted: Collection[str] = (),
     shaded: Array | None = None,
-    is_slight: bool = False,
-    is_black_free: bool = False,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none.
 
     predicted : (sites, G) DN above black, nan of darks, 0 of unknown light, of which
     only what sites of one colour differ by is told. cfa : the letters of its repeat,
     row by row. white : DN above black. light : relative, how far each frame's may be
-    off. nuisances : of a capture set. is_shaded, is_colored : whether light falls off
-    towards the corners, of colours differently: then levels are those of the middle of
-    the frame. shaded : (sites,) the mean of a stated shading, which mean images lack,
-    over that in the middle. is_slight : the light falls off by the square of the
-    distance from the middle, as what is too little to be named may do. is_black_free :
-    the black level of each site may be anything."""
+    off. nuisances : of a capture set. named : effects that there are: where light falls
+    off towards the corners, levels are those of the middle of the frame. doubted : what
+    is too weak to be named or not shown, and may be there: light that falls off by the
+    square of the distance from the middle; a black level of each site that may be
+    anything. shaded : (sites,) the mean of a stated shading, which mean images lack,
+    over that in the middle."""
     if shaded is None:
         shaded = np.ones(len(predicted))
     predicted = predicted * shaded[:, None]
@@ -218,7 +218,7 @@ def flat_levels(
     of_site, one_light = 1 / light_of.ravel(), np.equal.outer(flat, flat)
     of_sites = np.outer(of_site, of_site)
     covariance += of_sites * blacks[np.ix_(site, site)]
-    if is_black_free:
+    if BLACK in doubted:
         covariance += of_sites * np.equal.outer(site, site) * white**2
     drift = max(float(found.theta[found.parameters.of("black_level_drift")]), 0.0)
     covariance += of_sites * one_light * drift / frames[flat]
@@ -239,10 +239,10 @@ def flat_levels(
     if "white_balance" in nuisances:
         covariance += FREE * one_color
     ratios = light_of / predicted
-    if is_shaded or is_colored:
-        degree = SQUARE if is_slight else None
+    if falls_off := {*OF_LENS} & {*named, *doubted}:
+        degree = SQUARE if falls_off & {*doubted} else None
         brighter, more = _middles(
-            planes, groups, light_of, is_colored, found.theta, degree
+            planes, groups, light_of, OF_LENS[1] in falls_off, found.theta, degree
         )
         ratios = ratios * (1 + (brighter * shaded)[:, None])
         covariance += more[np.ix_(site, site)]
