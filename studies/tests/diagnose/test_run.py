@@ -3,6 +3,7 @@
 """The bench of the diagnosis: how it counts, and a sample of what it shows."""
 
 import json
+from collections import Counter
 from types import SimpleNamespace
 
 import pytest
@@ -25,13 +26,19 @@ from studies.diagnose.scores import (
     score,
     table,
 )
-from studies.diagnose.suites import SUITES, Case, cases
+from studies.diagnose.suites import FEW, SUITES, Case, cases
 
 
 def verdict_of(names, verdict="explained", before=0.1, after=0.001):
     """Return what the scores read of a Diagnosis; the first name gains most."""
     effects = [
-        SimpleNamespace(name=name, gain_nats=100.0 - n, parameters={})
+        SimpleNamespace(
+            name=name,
+            gain_nats=100.0 - n,
+            parameters={},
+            ambiguous_with=["exposure"] if verdict == "ambiguous" else [],
+            provisional=False,
+        )
         for n, name in enumerate(names)
     ]
     gap = SimpleNamespace(before=before, after=after, chi2_after=1.0)
@@ -299,12 +306,35 @@ def dense(names, offs, **more):
         ("none", [record([], ["blur"]), record([], [], "unexplained")], [1 / 2, 1 / 2]),
         ("nuisance", [record([], ["blur"]), record([], [])], [1 / 2, 1 / 2]),
         ("real", [record(["prnu"], ["prnu", "blur"])], [1.0, 1.0]),
+        (
+            "few",  # what is missed, and what is false and not sure, does not count
+            [
+                record(["prnu"], ["prnu", "blur"]),
+                record(["prnu"], ["blur"], "ambiguous"),
+                record(["prnu"], [], "consistent"),
+                record(["prnu"], ["prnu"]),
+            ],
+            [1 / 4],
+        ),
     ],
 )
 def test_what_a_suite_measures(suite, records, expected):
     """Shares of cases, then the median and the 5th percentile of the gaps closed."""
     found = [value for _, value, _ in bounds(suite, records)]
     assert found == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("number", range(len(FEW)))
+def test_few_captures_are_those_of_a_plan(number):
+    """By the seed; in each split as many."""
+    case = Case("few", 0, len(FEW) + number, {})
+    kinds = Counter((c.kind, c.group) for c in case.captures()[0].captures)
+    expected = {
+        (kind, group): levels * frames
+        for kind, (levels, frames) in FEW[number].items()
+        for group in ("fit", "select", "report")
+    }
+    assert kinds == expected
 
 
 SAMPLE = {"single": 1, "none": 12, "pairs": 4, "unknown": 1, "nuisance-none": 4}
