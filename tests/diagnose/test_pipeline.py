@@ -53,28 +53,39 @@ def summary(found):
     return found.verdict, effects, tests, found.gap, found.profile_json
 
 
+def few_scenes(seed, number="01", repeats="01", **hidden):
+    """Return scenes of each split by their number and frames by theirs, of a camera."""
+    sensor = drawn_sensor(seed + 100)
+    hidden = draw_hidden(sensor, hidden, seed=seed)
+    made = simulate_captures(sensor, hidden, seed=seed, twice=True)
+    kept = [
+        c
+        for c in made.captures
+        if c.kind == "scene"
+        and (c.name.split("_")[2] in number and c.name.split("_")[3] in repeats)
+    ]
+    return replace(made, captures=kept)
+
+
 @pytest.mark.parametrize(("seed", "number"), [(19, "0"), (1, "01")])
 def test_scenes_alone_say_no_more_of_noise_than_they_know(seed, number):
     """Few samples tell noise to 2 %, and read noise beside light hardly at all: frames
     of other light differ by more than their own error from what was fitted."""
-    sensor = drawn_sensor(seed + 100)
-    hidden = draw_hidden(sensor, {}, seed=seed)
-    made = simulate_captures(sensor, hidden, seed=seed, twice=True)
-    kept = [
-        c for c in made.captures if c.kind == "scene" and c.name.split("_")[2] in number
-    ]
-    found = run(replace(made, captures=kept), only=())
+    found = diagnose(few_scenes(seed, number), details=False)
     assert (found.verdict, found.unexplained) == ("consistent", [])
+
+
+def test_noise_is_the_profile_s_again_where_a_gap_that_looked_like_it_closes():
+    """At first, 10 % less light looks like seven times its noise and no read noise."""
+    found = diagnose(few_scenes(11, "0", "0", exposure=0.1), details=False)
+    assert (found.verdict, found.unexplained) == ("explained", [])
+    assert [one.name for one in found.effects] == ["exposure"]
 
 
 def test_a_strong_blur_is_found_by_steps_that_are_as_linear_as_they_seem():
     """Its red is wider than its green, of which a linear model knows nothing yet: seven
     others would take that up, by stops of exposure that other gains undo."""
-    sensor, seed = drawn_sensor(103), 3
-    hidden = draw_hidden(sensor, {"blur": 1.5}, seed=seed)
-    made = simulate_captures(sensor, hidden, seed=seed, twice=True)
-    kept = [c for c in made.captures if c.kind == "scene"]
-    found = diagnose(replace(made, captures=kept), details=False)
+    found = diagnose(few_scenes(3, blur=1.5), details=False)
     assert [one.name for one in found.effects] == ["blur"]
     assert found.verdict == "explained"
     assert found.effects[0].parameters["red_scale"].ci95[0] > 0.1
@@ -107,11 +118,7 @@ def test_what_darks_would_show_is_none_of_the_lens(name, strength, kinds, others
 
 
 def test_a_black_level_on_which_scenes_do_not_agree_may_be_drift():
-    sensor, seed = drawn_sensor(102), 2
-    hidden = draw_hidden(sensor, {"black_level_drift": 0.2}, seed=seed)
-    made = simulate_captures(sensor, hidden, seed=seed, twice=True)
-    kept = [c for c in made.captures if c.kind == "scene"]
-    found = diagnose(replace(made, captures=kept), details=False)
+    found = diagnose(few_scenes(2, black_level_drift=0.2), details=False)
     effects = {one.name: one.ambiguous_with for one in found.effects}
     assert effects == {"black_level": ["black_level_drift"]}
 

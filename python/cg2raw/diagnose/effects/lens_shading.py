@@ -48,7 +48,9 @@ class LensShading(Effect):
     step = 2e-3
     signature = frozenset({"gain"})
     # Vignetting that is no polynomial.
-    taken_up_by = {"exposure": 1e-4}
+    taken_up_by = dict.fromkeys(
+        ("exposure", "amplifier_mismatch", "bias_structure"), 1e-4
+    )
     told_apart = {
         "veiling_glare": "Flats at two levels and a scene with a bright area: glare "
         "adds to dark regions what the bright ones give, shading multiplies.",

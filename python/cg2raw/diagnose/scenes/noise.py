@@ -44,16 +44,17 @@ def noise_factors(
     parts = np.concatenate(every, axis=1)
     rest, squares = np.concatenate(others), np.concatenate(square)
     weights = np.concatenate(freedom)
-    factors = np.ones(2)
+    factors, model = np.ones(2), points[0].model
+    gains = np.array([model.noise_gain(name) for name in ("beta1", "beta2")])
     for _ in range(ROUNDS):
         expected = factors @ parts + rest
         near = squares < FARTHEST * expected
         weight = near * np.sqrt(weights) / expected
         # Where light is bright, nothing tells the read noise: then it is the profile's.
-        design = np.vstack([(parts * weight).T, np.sqrt(2) * np.eye(2)])
+        design = np.vstack([(parts * weight).T, np.sqrt(2) * np.diag(gains)])
         target = np.concatenate([(squares - rest) * weight, np.full(2, np.sqrt(2))])
         factors = nnls(design, target)[0]
-        factors = np.maximum(factors, LEAST_FACTOR)
+        factors = np.maximum(factors, LEAST_FACTOR / gains)
     return factors, design.T @ design / 2  # squares have twice the variance
 
 
