@@ -117,6 +117,15 @@ def test_what_darks_would_show_is_none_of_the_lens(name, strength, kinds, others
     assert found.effects and not found.unexplained
 
 
+def test_a_black_level_beside_amplifiers_may_be_first_columns_of_their_own():
+    """Of which images are not fitted."""
+    hidden = {"amplifier_mismatch": 0.3, "bias_structure": 0.6}
+    found = diagnose(few_scenes(3, **hidden), details=False)
+    effects = {one.name: one.ambiguous_with for one in found.effects}
+    assert effects["amplifier_mismatch"] == []
+    assert "bias_structure" in effects["black_level"]
+
+
 def test_a_black_level_on_which_scenes_do_not_agree_may_be_drift():
     found = diagnose(few_scenes(2, black_level_drift=0.2), details=False)
     effects = {one.name: one.ambiguous_with for one in found.effects}

@@ -14,8 +14,6 @@ from functools import cached_property, reduce
 from operator import add
 
 import numpy as np
-from scipy.special import chdtrc
-from scipy.stats import ttest_1samp
 
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.diagnosis import ResidualTest
@@ -24,6 +22,8 @@ from cg2raw.diagnose.effects.catalogue import candidates, effect
 from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.scenes import flicker as waves
+from cg2raw.diagnose.scenes.black_level import others_that_lift
+from cg2raw.diagnose.scenes.correspondence import check_correspondence
 from cg2raw.diagnose.scenes.gram import Array, Gram, Normal, Space
 from cg2raw.diagnose.scenes.model import Model, Term
 from cg2raw.diagnose.scenes.noise import (
@@ -43,10 +43,12 @@ from cg2raw.diagnose.scenes.shapes import full_well, photons
 from cg2raw.diagnose.scenes.view import View, views_of
 from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
-from cg2raw.model.dark_levels import BLACK, CURRENT, DRIFT
+from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
+from cg2raw.model.dark_levels import BLACK, CURRENT
 from cg2raw.model.flicker import NAME as FLICKER
 from cg2raw.model.lags import FILTER
 
+RAMP = "bias_structure"
 WELL, PHOTONS, BLUR = "full_well", "poisson_shot_noise", "blur"
 FIT, SELECT, REPORT = "fit", "select", "report"
 PASSES = 5
@@ -58,9 +60,6 @@ UNCLIPPED = 0.95  # of white
 # Relative error of a prediction, step by step, while a render is moved to its place:
 # beside it, edges differ by more than noise.
 DOUBTS = (0.3, 0.2, 0.1, 0.1, 0.05, 0.05, 0.02)
-LEAST_ALIKE = 0.5  # correlation of a capture and its render
-LEAST_USED = 0.01  # of the pixels of an image, between black and white
-CONTRAST = 3.0  # standard deviations of noise, of an image that has any
 Say = Callable[[str, float], None]
 Sums = dict[str, tuple[Normal, list[Nuisance]]]  # by split and set
 
@@ -275,7 +274,10 @@ class Scenes:
         if self.capture_set.nuisances & {"registration", "exposure", "white_balance"}:
             say("aligning renders with captures", 0.28)
             self._align()
-        self._check_correspondence()
+        every = [
+            v for v in self.views if v.frame.capture.shows.image and not v.is_table
+        ]
+        check_correspondence(map(self.point, every))
         self._fill_well()
         if self._calibrates:
             self._fit_noise()
@@ -447,35 +449,6 @@ class Scenes:
         found = self.workers.map(work, views)
         return reduce(add, (normal for normal, _ in found)), found[0][1]
 
-    def _check_correspondence(self) -> None:
-        """Refuse renders of something else than was captured, and images that say
-        nothing. Raises ValueError."""
-        for view in self.views:
-            shows, name = view.frame.capture.shows, view.frame.capture.name
-            if not shows.image or view.is_table:
-                continue
-            point = self.point(view)
-            share = float((point.root > 0).sum() / max(view.frame.keep.sum(), 1))
-            if share < LEAST_USED:
-                raise ValueError(
-                    f"{name}: {share:.1%} of its pixels are predicted, and measured, "
-                    f"between black and white; must be {LEAST_USED:.0%} at least: "
-                    "expose otherwise, or give the scene's gain"
-                )
-            mean, noise = point.mean[point.root > 0], 1 / point.root[point.root > 0]
-            signal, noise = view.signal[point.root > 0], np.sqrt(np.mean(noise**2))
-            if not shows.render or max(mean.std(), signal.std()) < CONTRAST * noise:
-                continue  # too little contrast to tell
-            flat = min(mean.std(), signal.std()) < noise / CONTRAST
-            alike = 0.0 if flat else float(np.corrcoef(mean, signal)[0, 1])
-            if alike < LEAST_ALIKE:
-                raise ValueError(
-                    f"{name}: the scene does not correspond to the capture: they "
-                    f"correlate by {alike:.2f}, and {LEAST_ALIKE} is the least: is it "
-                    "the render of this frame, of the same view and crop, and are both "
-                    "the same way up?"
-                )
-
     def _fill_well(self) -> bool:
         """Fit the full well; return whether it was found, or lost, or moved."""
         stated = self.model.profile_parameters.get(WELL, {}).get("below_white", 0.0)
@@ -557,32 +530,31 @@ class Scenes:
         self._move(sets)
 
     def _doubt_black_level(self) -> None:
-        """Say what else a black level may be, which no darks tell: drift, if scenes
-        agree on it no better than by chance (Student's t of what each has); dark
-        current, if it lifts all sites alike."""
+        """Say what else a black level may be, which no darks tell."""
         if BLACK not in self.chosen.names:
             return
         own, counted = self.space.index([BLACK]), self._counted()
-        levels, each = self.theta[own], []
+        each = []
         for key, (normal, nuisances) in self.sums().items():
             if key.partition("/")[0] != REPORT:
                 gram = _without(normal, nuisances, False).gram(self.space.size)
                 left = (gram.score - gram.information @ counted)[own].sum()
                 each.append(left / gram.information[np.ix_(own, own)].sum())
         index = self.space.index(self.fitted)
-        at = np.searchsorted(index, own)
-        known = np.linalg.inv(self.both.covariance(index)[np.ix_(at, at)])
-        mean = float((known @ levels).sum() / known.sum())
-        apart = float((levels - mean) @ known @ (levels - mean))
-        may_be = {
-            DRIFT: ttest_1samp(mean + np.array(each), 0.0).pvalue > self.alpha,
-            CURRENT: mean > 0
-            and chdtrc(len(own) - 1, apart) > self.alpha
-            and all(view.frame.seconds for view in self.views),
-        }
-        alike = list(self.chosen.alike.get(BLACK, ()))
-        alike += [(name,) for name, may in may_be.items() if may and name in self.names]
-        every = {**self.chosen.alike, BLACK: alike}
+        at = np.ix_(places := np.searchsorted(index, own), places)
+        known = np.linalg.inv(self.both.covariance(index)[at])
+        may_be = others_that_lift(self.theta[own], known, np.array(each), self.alpha)
+        if not all(view.frame.seconds for view in self.views):
+            may_be -= {CURRENT}
+        every = dict(self.chosen.alike)
+        # Where offsets differ all over the frame, its first columns may as well.
+        beside = {*self.chosen.names, *sum(every.get(BLACK, ()), ())}
+        if beside & {RAMP, MISMATCH}:
+            may_be.add(RAMP)
+        every[BLACK] = [
+            *every.get(BLACK, ()),
+            *((name,) for name in sorted(may_be & self.names - {*self.chosen.names})),
+        ]
         self.chosen = replace(self.chosen, alike=every)
 
     def _find_flicker(self) -> None:

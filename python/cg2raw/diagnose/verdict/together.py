@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis, Gap
 from cg2raw.diagnose.effects.catalogue import of_images
-from cg2raw.diagnose.scenes.decide import BLUR
+from cg2raw.diagnose.scenes.decide import BLUR, RAMP
 from cg2raw.diagnose.verdict.findings import deciding_captures, verdict_of
 from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
 from cg2raw.model.lags import FILTER
@@ -64,7 +64,7 @@ def together(
         doubts[BLUR] = FILTER  # what softens images may be the filter, too
     if of_one_kind and any(one.name == MISMATCH for one in first.effects):
         # They tell its offset or its response, and images have the other as well.
-        doubts |= dict.fromkeys((*OF_LENS, "bias_structure"), MISMATCH)
+        doubts |= dict.fromkeys((*OF_LENS, RAMP), MISMATCH)
     effects = [
         replace(one, ambiguous_with=[*one.ambiguous_with, doubts[one.name]])
         if one.name in doubts
