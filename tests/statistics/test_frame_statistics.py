@@ -633,18 +633,19 @@ def test_planes_of_fewer_lines_than_blocks_have_empty_ones():
     assert (error.reshape(8, 8) > 1).all(axis=1).sum() == 3  # rows of blocks of none
 
 
-@pytest.mark.parametrize(("rare", "codes"), [(4, 2), (5, 3)])
-def test_codes_of_darks_are_those_of_five_samples_in_each_plane(rare, codes):
-    """One plane has more; what flats have is not counted."""
+@pytest.mark.parametrize(("rare", "splits", "codes"), [(4, 1, 2), (5, 1, 3), (5, 2, 2)])
+def test_codes_of_darks_are_those_of_five_samples_in_each_plane(rare, splits, codes):
+    """And in each split. One plane has more; what flats have is not counted."""
     dark = np.full((40, 60), 64, np.uint16)
     dark[:20] = 65
+    other = np.roll(dark, 20, 0)
     for row, column in ((0, 0), (0, 1), (1, 0), (1, 1)):
         dark[row:20:2, column::2].flat[: rare + (row == 0)] = 66
-    lists = [[dark, np.roll(dark, 20, 0) // 66 + 64], drawn((40, 60), 2)]
+    plan = [("dark", "training", dark), ("dark", "validation", other)][:splits]
+    infos = [info for info, _ in groups_of(*([[dark, other]] * splits), [dark])]
     groups = [
-        (replace(info, kind=kind), frames)
-        for (info, frames), kind in zip(
-            groups_of(*lists), ("dark", "flat"), strict=True
-        )
+        (replace(info, kind=kind, split=split), [frame, other])
+        for info, (kind, split, frame) in zip(infos, plan, strict=False)
     ]
-    assert measured(groups, 2).dark_codes == codes
+    flat = (replace(infos[-1], kind="flat", frames=("a", "b")), drawn((40, 60), 2))
+    assert measured([*groups, flat], 2).dark_codes == codes

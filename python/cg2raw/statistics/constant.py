@@ -275,9 +275,13 @@ class ConstantStatistics:
     @cached_property
     def dark_codes(self) -> int:
         """How many codes darks have, of enough samples that their number tells, in the
-        plane that has fewest."""
-        darks = [plane.codes[~self.is_flat].sum(axis=0) for plane in self.planes]
-        return min(int((count >= FEWEST_COUNT).sum()) for count in darks)
+        plane of a split that has fewest."""
+        counts = [
+            plane.codes[~self.is_flat & (self.splits == split)].sum(axis=0)
+            for split in np.unique(self.splits[~self.is_flat])
+            for plane in self.planes
+        ]
+        return min((int((n >= FEWEST_COUNT).sum()) for n in counts), default=0)
 
     def darks_by_time(self, split: str | None = None) -> list[NDArray[np.intp]]:
         """Return the numbers of darks that repeat each other, of each exposure time,
