@@ -98,7 +98,6 @@ def test_a_strong_blur_is_found_by_steps_that_are_as_linear_as_they_seem():
         ("bias_structure", 0.8, {"scene"}, {"amplifier_mismatch"}),
         ("bias_structure", 0.8, {"scene", "flat"}, {"amplifier_mismatch"}),
         ("amplifier_mismatch", 0.3, {"scene"}, set()),
-        slow("amplifier_mismatch", 0.3, {"scene", "dark"}, {"lens_shading"}),
         ("noise_reduction", 0.1, {"scene"}, {"blur"}),
         ("black_level", 0.5, {"scene"}, set()),
     ],

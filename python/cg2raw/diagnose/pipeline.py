@@ -24,7 +24,7 @@ from cg2raw.diagnose.verdict.images import diagnosis_of_images
 from cg2raw.diagnose.verdict.together import together, with_images_alone
 from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
-from cg2raw.model.dark_levels import CURRENT, DRIFT
+from cg2raw.model.dark_levels import BLACK, CURRENT, DRIFT
 from cg2raw.model.flicker import NAME as FLICKER
 from cg2raw.sensor import Sensor
 
@@ -87,7 +87,8 @@ def diagnose(
         raise ValueError(f"{statistics}: statistics are of darks and flats: none here")
     is_all = len(constant) == len(capture_set.captures)
     lit = of_images() | ({FLICKER} if is_shown(capture_set.captures) else set())
-    asked = names & (lit | of_means() | {CURRENT, DRIFT})
+    doubted = capture_set.nuisances  # light that is not known may have ramps and steps
+    asked = names & (lit | {BLACK, CURRENT, DRIFT} | (set() if doubted else of_means()))
     found, images = None, capture_set
     notes: list[str] = []
     has_both = False

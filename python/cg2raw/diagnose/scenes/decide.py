@@ -41,6 +41,7 @@ from cg2raw.diagnose.scenes.residuals import Residuals
 from cg2raw.diagnose.scenes.selection import Chosen, Selection
 from cg2raw.diagnose.scenes.shapes import full_well, photons
 from cg2raw.diagnose.scenes.view import View, views_of
+from cg2raw.diagnose.stated_shapes import SHAPE_ERROR
 from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
 from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
@@ -351,25 +352,28 @@ class Scenes:
     def _step(self, sets: Sums) -> bool:
         """Move to the values of the chosen effects; return whether that was far.
 
-        Those that gain less than the linear model of the move is wrong by wait: they
-        would take up its errors, and are chosen anew where the others lead."""
-        theta, model, placements = self.theta, self.model, dict(self.placements)
-        counted = self._counted()
-        moved, chosen = self._move(sets), self.chosen
-        if len(chosen.names) < 2:
-            return moved
+        Where the linear model of the move is wrong by more than SHAPE_ERROR of what it
+        gains, those that are new and gain less than that wait: they would take up its
+        errors, and are chosen anew where the others lead."""
+        old = self.theta, self.model, self.placements
+        counted, chosen, is_cut = self._counted(), self.chosen, False
         both = self.grams[FIT] + self.grams[SELECT]
-        predicted = both.squares - 2 * both.gain(self.theta - theta + counted)
-        wrong = abs(self._squares(model) - predicted) / 4  # nats of one of two splits
-        kept = [name for name in chosen.names if chosen.nats[name] >= wrong]
-        if len(kept) == len(chosen.names):
-            return moved
-        kept = kept or [*chosen.names[:1]]
-        self.theta, self.model, self.placements = theta, model, placements
-        nats = {name: chosen.nats[name] for name in kept}
-        self.chosen = replace(chosen, names=kept, nats=nats)
-        self._move(sets)
-        return True
+        there = {term.name for term in self.model.terms}
+        while True:
+            self.placements = dict(old[2])
+            moved, names = self._move(sets), self.chosen.names
+            new = [name for name in names if name not in there]
+            if len(names) < 2 or not new or self.capture_set.nuisances:
+                return moved or is_cut  # nuisances take part of an error themselves
+            gain = both.gain(self.theta - old[0] + counted)
+            wrong = abs(self._squares(old[1]) - both.squares + 2 * gain) / 4
+            weakest = min(new, key=lambda name: chosen.nats[name])
+            usual = SHAPE_ERROR * (gain - both.gain(counted)) / 2  # of one split
+            if wrong <= max(chosen.nats[weakest], usual):
+                return moved or is_cut
+            self.theta, self.model, self.placements = old
+            nats = {n: chosen.nats[n] for n in names if n != weakest}
+            self.chosen, is_cut = replace(chosen, names=[*nats], nats=nats), True
 
     def _move(self, sets: Sums) -> bool:
         """Move to the values of the chosen effects; return whether that was far."""
