@@ -53,16 +53,18 @@ def summary(found):
     return found.verdict, effects, tests, found.gap, found.profile_json
 
 
-def few_scenes(seed, number="01", repeats="01", **hidden):
-    """Return scenes of each split by their number and frames by theirs, of a camera."""
+def few_scenes(seed, number="01", repeats="01", kinds=("scene",), **hidden):
+    """Return scenes of each split by their number and frames by theirs, of a camera,
+    and all captures of other kinds."""
     sensor = drawn_sensor(seed + 100)
     hidden = draw_hidden(sensor, hidden, seed=seed)
     made = simulate_captures(sensor, hidden, seed=seed, twice=True)
     kept = [
         c
         for c in made.captures
-        if c.kind == "scene"
-        and (c.name.split("_")[2] in number and c.name.split("_")[3] in repeats)
+        if c.kind in kinds
+        if c.kind != "scene"
+        or (c.name.split("_")[2] in number and c.name.split("_")[3] in repeats)
     ]
     return replace(made, captures=kept)
 
@@ -105,11 +107,8 @@ def test_a_strong_blur_is_found_by_steps_that_are_as_linear_as_they_seem():
 def test_what_darks_would_show_is_none_of_the_lens(name, strength, kinds, others):
     """Without darks, or without flats, scenes decide, or what is named in its place is
     ambiguous with it."""
-    sensor, seed = drawn_sensor(103), 3
-    hidden = draw_hidden(sensor, {name: strength}, seed=seed)
-    made = simulate_captures(sensor, hidden, seed=seed, twice=True)
-    kept = [c for c in made.captures if c.kind in kinds]
-    found = diagnose(replace(made, captures=kept), details=False)
+    captures = few_scenes(3, kinds=kinds, **{name: strength})
+    found = diagnose(captures, details=False)
     effects = {one.name: set(one.ambiguous_with) for one in found.effects}
     assert effects.keys() <= {name, *others}
     assert all(name in {one, *alike} for one, alike in effects.items())

@@ -47,8 +47,6 @@ from cg2raw.statistics.constant import Array, ConstantStatistics
 
 TRAINING, VALIDATION, TEST = GROUPS
 NOISE_TABLE = ("read_noise", "shot_noise")  # what a profile without noise says not
-
-
 LARGER = "take frames at a gain at which noise is half a code or more"
 
 

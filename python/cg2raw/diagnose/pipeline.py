@@ -24,7 +24,7 @@ from cg2raw.diagnose.verdict.images import diagnosis_of_images
 from cg2raw.diagnose.verdict.together import together, with_images_alone
 from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
-from cg2raw.model.dark_levels import BLACK, CURRENT, DRIFT
+from cg2raw.model.dark_levels import LEVELS
 from cg2raw.model.flicker import NAME as FLICKER
 from cg2raw.sensor import Sensor
 
@@ -88,7 +88,7 @@ def diagnose(
     is_all = len(constant) == len(capture_set.captures)
     lit = of_images() | ({FLICKER} if is_shown(capture_set.captures) else set())
     doubted = capture_set.nuisances  # light that is not known may have ramps and steps
-    asked = names & (lit | {BLACK, CURRENT, DRIFT} | (set() if doubted else of_means()))
+    asked = names & (lit | {*LEVELS} | (set() if doubted else of_means()))
     found, images = None, capture_set
     notes: list[str] = []
     has_both = False
@@ -133,8 +133,8 @@ def diagnose(
             images = with_images_alone(capture_set, found, seen.frames.masked, used)
             kinds = {one.kind for one in seen.statistics.groups}
             has_both = {"dark", "flat"} <= kinds
-            told = shown if "dark" in kinds else shown - of_means()
-            asked -= (told | {one.name for one in found.effects}) - lit
+            decided = shown if "dark" in kinds else shown - of_means()
+            asked -= (decided | {one.name for one in found.effects}) - lit
     workers = Workers(threads, deadline)
     second = _of_images(
         images,

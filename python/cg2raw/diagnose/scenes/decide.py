@@ -355,23 +355,24 @@ class Scenes:
         Where the linear model of the move is wrong by more than SHAPE_ERROR of what it
         gains, those that are new and gain less than that wait: they would take up its
         errors, and are chosen anew where the others lead."""
-        old = self.theta, self.model, self.placements
-        counted, chosen, is_cut = self._counted(), self.chosen, False
+        if self.capture_set.nuisances:
+            return self._move(sets)  # they take part of an error themselves
+        theta, model, counted = self.theta, self.model, self._counted()
         both = self.grams[FIT] + self.grams[SELECT]
-        there = {term.name for term in self.model.terms}
+        there = {term.name for term in model.terms}
+        chosen, is_cut = self.chosen, False
         while True:
-            self.placements = dict(old[2])
             moved, names = self._move(sets), self.chosen.names
             new = [name for name in names if name not in there]
-            if len(names) < 2 or not new or self.capture_set.nuisances:
-                return moved or is_cut  # nuisances take part of an error themselves
-            gain = both.gain(self.theta - old[0] + counted)
-            wrong = abs(self._squares(old[1]) - both.squares + 2 * gain) / 4
+            if len(names) < 2 or not new:
+                return moved or is_cut
+            gain = both.gain(self.theta - theta + counted)
+            wrong = abs(self._squares(model) - both.squares + 2 * gain) / 4
             weakest = min(new, key=lambda name: chosen.nats[name])
             usual = SHAPE_ERROR * (gain - both.gain(counted)) / 2  # of one split
             if wrong <= max(chosen.nats[weakest], usual):
                 return moved or is_cut
-            self.theta, self.model, self.placements = old
+            self.theta, self.model = theta, model
             nats = {n: chosen.nats[n] for n in names if n != weakest}
             self.chosen, is_cut = replace(chosen, names=[*nats], nats=nats), True
 
@@ -552,8 +553,8 @@ class Scenes:
             may_be -= {CURRENT}
         every = dict(self.chosen.alike)
         # Where offsets differ all over the frame, its first columns may as well.
-        beside = {*self.chosen.names, *sum(every.get(BLACK, ()), ())}
-        if beside & {RAMP, MISMATCH}:
+        others = {*self.chosen.names, *sum(every.get(BLACK, ()), ())}
+        if others & {RAMP, MISMATCH}:
             may_be.add(RAMP)
         every[BLACK] = [
             *every.get(BLACK, ()),

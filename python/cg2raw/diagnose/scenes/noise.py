@@ -65,12 +65,16 @@ def noise_parts(point: Point) -> Array:
     return np.stack(np.broadcast_arrays(light, readout))
 
 
+def noise_shares(point: Point) -> Array:
+    """Return the same, (2, T, h, w), as shares of the variance of the mean of frames; 0
+    of samples that are not used."""
+    return np.asarray(noise_parts(point) / point.view.n * point.root**2)
+
+
 def freedom_of(n: float, points: Sequence[Point], of_noise: Array) -> float:
     """Return the degrees of freedom of the chi-square of @n samples, whose noise is
     known by the information (2, 2) of another fit."""
-    shares = [
-        (noise_parts(p) / p.view.n * p.root**2)[:, p.root > 0].sum(1) for p in points
-    ]
+    shares = [noise_shares(point).sum((1, 2, 3)) for point in points]
     mean = np.sum(shares, axis=0) / n
     return float(1 / (1 / n + mean @ np.linalg.solve(of_noise, mean) / 2))
 

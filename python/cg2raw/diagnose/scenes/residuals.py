@@ -12,7 +12,7 @@ from scipy.special import chdtrc
 
 from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.scenes.gram import Array, Normal
-from cg2raw.diagnose.scenes.noise import noise_parts
+from cg2raw.diagnose.scenes.noise import noise_parts, noise_shares
 from cg2raw.diagnose.scenes.nuisances import Nuisance, fields, legendre, to_edge
 from cg2raw.diagnose.scenes.point import (
     Point,
@@ -192,11 +192,10 @@ def _sums(
     left = variance_left(point.model)
     known = {offset.name for offset in offsets_of(point)}
     single = z / np.sqrt(left)  # of pixels by themselves
-    sizes = noise_parts(point)
-    shares = sizes / point.view.n * point.root**2
+    shares = noise_shares(point)
     yield "variance by level", _variances(single, used, shares, labels, LEVELS)
     if point.view.n > 1:
-        yield "repeats", _repeats(point, used, sizes, "rows" in known, waves)
+        yield "repeats", _repeats(point, used, "rows" in known, waves)
     v, u = frame.tiles.field()[::-1]
     ring = np.minimum((np.hypot(u, v) * RINGS_ASKED).astype(int), RINGS_ASKED - 1)
     yield "variance by radius", _variances(single, used, shares, ring, RINGS_ASKED)
@@ -242,12 +241,9 @@ def _variances(
     return _normal(sums, n, np.array(slopes))
 
 
-def _repeats(
-    point: Point, used: Array, sizes: Array, offsets: bool, waves: bool
-) -> Array:
+def _repeats(point: Point, used: Array, offsets: bool, waves: bool) -> Array:
     """By the squares of what frames differ by, without what rows are known to have for
-    themselves in each: offsets, and light where it comes in waves. sizes : (2, T, h, w)
-    variances of light and of the read-out."""
+    themselves in each: offsets, and light where it comes in waves."""
     n, away = point.view.n, point.view.away
     of_rows = [np.ones_like(point.base)] if offsets else []
     of_rows += [point.base] if waves else []
@@ -258,7 +254,10 @@ def _repeats(
         away = away - along * (away * along).sum(3, keepdims=True) / norm
         freedom -= (n - 1) * along**2 / norm
     expected = point.frame_variance * variance_left(point.model)
-    each = [(away**2).sum(0) / expected - freedom, *(n - 1) * sizes / expected]
+    each = [
+        (away**2).sum(0) / expected - freedom,
+        *(n - 1) * noise_parts(point) / expected,
+    ]
     sums, *slopes = ([one[used].sum() / np.sqrt(2 * (n - 1))] for one in each)
     return _normal(np.array(sums), np.array([float(used.sum())]), np.array(slopes))
 
