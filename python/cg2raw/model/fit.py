@@ -351,6 +351,14 @@ def start_of(
         noise = coded if has_share else plane.unrounded()
         _start_noise(plane, theta, free, profile, noise)
     _start_patterns(likelihood, theta, free)
+    if profile is not None and first.frames[flats].sum() == 1:
+        # One flat has PRNU as well. By darks alone the gain may be anything where its
+        # error is larger than itself.
+        stated = parameters.are(["gain"]) & (profile > 0)
+        there = likelihood(np.where(stated, profile, theta))
+        variance = np.diagonal(_solved(there.score, there.information, free)[1])
+        lost = stated & ~(variance < profile**2)
+        theta, free = np.where(lost, profile, theta), free & ~lost
     return theta, free
 
 
@@ -405,11 +413,6 @@ def _start_noise(
     signal = plane.signal(theta)
     again = plane.measured
     free[gain] = np.ptp(signal[again]) > 0 or not free[read]
-    has_one_flat = plane.is_flat.any() and not again[plane.is_flat].any()
-    if profile is not None and profile[gain] > 0 and has_one_flat:
-        # One flat has PRNU as well. By darks alone the gain may be anything where its
-        # error is larger than itself.
-        free[gain] &= _gain_information(plane, signal) * profile[gain] ** 2 > 1
     if profile is not None and not free[gain]:
         theta[gain] = profile[gain]
     names = [place(c.name) for c in TEMPORAL]
@@ -427,15 +430,6 @@ def _start_noise(
     values = np.linalg.lstsq(design / scale, rest[known] * weights, rcond=None)[0]
     theta[columns] = np.maximum(values / scale, 0.0)
     theta[read] = max(theta[read], LEAST_START)
-
-
-def _gain_information(plane: PlaneLikelihood, signal: Array) -> float:
-    """Return what the measured scatter of pixels knows of the gain, with an unknown
-    read noise: 1 over the square of its error."""
-    again = plane.measured
-    weights = plane.freedom[again, PIXEL] / plane.scatter[again, PIXEL] ** 2 / 2
-    mean = weights @ signal[again] / max(weights.sum(), 1e-300)
-    return float(weights @ (signal[again] - mean) ** 2)
 
 
 def _start_patterns(
