@@ -3,17 +3,21 @@
 """Levels of flats: what is wrong with them, by pattern over sites and light."""
 
 from dataclasses import replace
+from itertools import permutations, product
 
 import numpy as np
 import pytest
 
+import cg2raw
 from cg2raw.model.fit import fit
 from cg2raw.model.flat_levels import (
     FREE,
+    MATRIX,
+    MATRIX_SHARE,
     WAVES,
     FlatLevels,
     flat_levels,
-    level_gains,
+    levels_set,
 )
 from model.planted import planted
 
@@ -46,15 +50,16 @@ CHANGES = {
 @pytest.mark.parametrize("name", CHANGES)
 def test_each_is_named_alone(name):
     rng, change = np.random.default_rng(5), CHANGES[name]
-    found = level_gains(
+    found = levels_set(
         flats(FIRST, change(FIRST), rng), flats(SECOND, change(SECOND), rng), LEAST
     )
-    assert [one for one, gain in found.items() if gain > LEAST] == [name]
+    assert [one for one, gain in found.gains.items() if gain > LEAST] == [name]
 
 
 def test_levels_as_predicted_name_nothing():
     rng = np.random.default_rng(6)
-    assert not level_gains(flats(FIRST, FIRST, rng), flats(SECOND, SECOND, rng), LEAST)
+    two = [flats(x, x, rng) for x in (FIRST, SECOND)]
+    assert not levels_set(*two, LEAST).gains
 
 
 def test_two_that_are_far_from_small():
@@ -65,8 +70,8 @@ def test_two_that_are_far_from_small():
         return 1.1 * x * np.array([1.1, 1, 1, 1])[:, None]
 
     first = flats(FIRST, change(FIRST), rng)
-    found = level_gains(first, flats(SECOND, change(SECOND), rng), LEAST)
-    assert set(found) == {"exposure", "white_balance"}
+    found = levels_set(first, flats(SECOND, change(SECOND), rng), LEAST)
+    assert set(found.gains) == {"exposure", "white_balance"}
     values = first.fitted(["exposure", "white_balance"])
     assert values == pytest.approx([0.1, 0.1, 0.0], abs=1e-3)
 
@@ -76,7 +81,7 @@ def test_an_exposure_that_may_be_anything_is_not_named():
     two = [flats(x, 1.02 * x, rng) for x in (FIRST, SECOND)]
     one_light = np.equal.outer(*2 * (np.tile([0, 1], 4),))
     free = [replace(x, covariance=x.covariance + 1e4 * one_light) for x in two]
-    assert not level_gains(*free, LEAST)
+    assert not levels_set(*free, LEAST).gains
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -85,8 +90,10 @@ def test_dim_flats_do_not_tell_more_of_bright_ones_than_they_know(seed):
     are as likely name what bends, and no exposure for it."""
     rng, dim = np.random.default_rng(seed), FIRST / 4
     first, second = (flats(x, x - 0.002 * x**2, rng) for x in (dim, SECOND))
-    found = level_gains(first, second, LEAST)
-    assert [one for one, gain in found.items() if gain > LEAST] == ["nonlinearity"]
+    found = levels_set(first, second, LEAST)
+    assert [one for one, gain in found.gains.items() if gain > LEAST] == [
+        "nonlinearity"
+    ]
 
 
 def test_values_that_are_drawn():
@@ -143,3 +150,41 @@ def test_a_nuisance_may_be_anything_in_each_light(nuisance, alike, names):
     assert (set(free.names), set(known.names)) == (names, set(CHANGES))
     no_filters = replace(known, letters=np.array(["X"]))
     assert no_filters.names == ["exposure", "nonlinearity"]
+
+
+def test_a_colour_matrix_mixes_what_flats_are_not_grey_by():
+    """By a share of what another colour differs by; greys stay."""
+    found = fit(planted(3, side=2, shape=(64, 80)).statistics)
+    is_flat = found.likelihood.planes[0].is_flat
+    lights = np.array([[1.1, 0.9], [1.0, 1.0], [1.0, 1.0], [1.0, 1.2]])
+    predicted, greys = np.full((2, 4, len(is_flat)), np.nan)
+    greys[:, is_flat] = np.array([0.5, 1.0, 1.0, 0.7])[:, None]
+    predicted[:, is_flat] = greys[:, is_flat] * lights
+    covariances = [
+        flat_levels(
+            found, predicted, "RGGB", white=1.0, doubted=doubted, greys=greys
+        ).covariance
+        for doubted in ([], [MATRIX])
+    ]
+    expected = np.zeros_like(covariances[0])
+    for sites, others in product(([0], [1, 2], [3]), ([0], [1], [3])):
+        ratios = np.zeros_like(lights)
+        ratios[sites] = MATRIX_SHARE * (lights[others] / lights[sites] - 1)
+        expected += np.outer(ratios, ratios)
+    assert covariances[1] - covariances[0] == pytest.approx(expected)
+
+
+def test_cameras_share_colours_as_bundled_sensors_do():
+    """The root mean square of 306 pairs, under D65."""
+    colors = np.array([[*np.eye(3), np.ones(3)]], np.float32)
+    matrices = []
+    for name in cg2raw.installed_profiles():
+        sensor = cg2raw.Sensor(name)
+        camera = sensor.to_camera(colors, illuminant="D65", highlights=False)[0]
+        matrices.append((camera[:3] / camera[3]).T.astype(float))
+    shares = [
+        (one @ np.linalg.inv(other))[~np.eye(3, dtype=bool)]
+        for one, other in permutations(matrices, 2)
+    ]
+    assert len(shares) == 306
+    assert np.sqrt(np.mean(np.square(shares))) == pytest.approx(MATRIX_SHARE, abs=0.01)

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cg2raw.cfa import sites_of
 from cg2raw.diagnose.captures.capture import Capture, CaptureSet
@@ -28,7 +27,7 @@ from cg2raw.model.amplifier_mismatch import (
 from cg2raw.model.dark_levels import BLACK, LEVELS
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit, gain_of
-from cg2raw.model.flat_levels import FlatLevels, flat_levels, level_gains
+from cg2raw.model.flat_levels import MATRIX, FlatLevels, flat_levels, levels_set
 from cg2raw.model.full_well import NAME as WELL
 from cg2raw.model.full_well import FullWell
 from cg2raw.model.lags import NAMES as SHARED
@@ -40,6 +39,7 @@ from cg2raw.model.profile_values import (
 from cg2raw.model.selection import LAMP, OF_LENS, Selection, selection
 from cg2raw.model.shapes import shapes
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
+from cg2raw.model.smallest_set import SmallestSet
 from cg2raw.model.values import Value, effect_values
 from cg2raw.normal import FEWEST_COUNT
 from cg2raw.sensor import Sensor
@@ -185,29 +185,33 @@ def darks_and_flats(
         together,
     )
 
-    def gains_of_levels(doubted: Collection[str]) -> dict[str, float]:
+    def names_of_levels(
+        some: Sequence[tuple[ConstantStatistics, Fit]], doubted: Collection[str]
+    ) -> SmallestSet:
         each = [
-            levels_of(captures, frames, one, of_split, named, stated, doubted)
-            for one, of_split in zip(splits, fits, strict=True)
+            levels_of(captures, frames, *one, named, stated, doubted) for one in some
         ]
         if each[0] is None or each[1] is None:
-            return {}
-        return level_gains(each[0], each[1], least)
+            return SmallestSet({}, {})
+        return levels_set(each[0], each[1], least)
 
     named = found.kept(least)
-    of_levels = gains_of_levels(())
-    gains, alike = {**found.gains, **of_levels}, dict(found.alike)
-    needed = {name for name, gain in of_levels.items() if gain > least}
-    # What is too little to be named, or not shown without darks, may move levels.
-    doubted = {*OF_LENS} & found.gains.keys() - {*named}
+    of_levels = names_of_levels([*zip(splits, fits, strict=True)], ())
+    gains, alike = {**found.gains, **of_levels.gains}, dict(found.alike)
+    needed = {name for name, gain in of_levels.gains.items() if gain > least}
+    # What is too little to be named, or what such frames do not show, may move levels,
+    # those of both splits alike.
+    doubted = {*OF_LENS} & found.gains.keys() - {*named} | {MATRIX}
     doubted |= {BLACK} if both.is_flat.all() else set()
-    doubted &= {*every_name()} if names is None else {*names}
-    for other in sorted(doubted, reverse=True):  # shading of all colours first
-        again = gains_of_levels([other]) if needed else {}
+    may_be = {*every_name()} if names is None else {*names}
+    moved = {name: {*of_levels.alike[name]} & may_be for name in needed}
+    for other in sorted(doubted & may_be, reverse=True) if needed else ():
+        again = names_of_levels([(both, together)] * 2, [other]).gains
         left = {name for name, gain in again.items() if gain > least}
-        if left < needed:
-            alike |= {n: (*alike.get(n, ()), other) for n in needed - left}
-            needed = left
+        for name in needed - left if left < needed else ():
+            if not (other == OF_LENS[1] and OF_LENS[0] in moved[name]):
+                moved[name].add(other)
+    alike |= {name: (*alike.get(name, ()), *sorted(moved[name])) for name in needed}
     if frames.well is not None:
         gains[WELL] = _nats_of_well(frames.well, sensor)
     if amplifiers.errors:
@@ -303,9 +307,10 @@ def levels_of(
     if frames.are_divided:
         return None
     sensor = captures.sensor
+    predicted, greys = predicted_of(frames.captures, statistics, sensor)
     return flat_levels(
         found,
-        predicted_of(frames.captures, statistics, sensor),
+        predicted,
         sites_of(sensor.cfa),
         white=sensor.signal_range,
         light=captures.uncertainty.get("light", 0.0),
@@ -313,26 +318,30 @@ def levels_of(
         named=named,
         doubted=doubted,
         shaded=stated.mean,
+        greys=greys,
     )
 
 
 def predicted_of(
     captures: Sequence[Capture], statistics: ConstantStatistics, sensor: Sensor
-) -> NDArray[np.float64]:
-    """Return (sites, G) DN above black that a profile predicts of flats; nan of darks,
-    0 where the light is not known."""
+) -> tuple[Array, Array]:
+    """Return (sites, G) DN above black that a profile predicts of flats, nan of darks
+    and 0 where the light is not known, and those of grey light that is white, 1 where
+    there is none."""
     by_name = {capture.name: capture for capture in captures}
     letters, white = sites_of(sensor.cfa), sensor.signal_range
     found = np.full((len(letters), len(statistics.groups)), np.nan)
+    greys = np.ones_like(found)
+    places = ["RGB".index(letter) if letter in "RGB" else 1 for letter in letters]
     for g, info in enumerate(statistics.groups):
         capture = by_name[info.frames[0]]
-        if info.kind == "flat" and capture.scene is None:
-            found[:, g] = 0.0
-        if info.kind != "flat" or capture.scene is None:
+        if info.kind != "flat":
             continue
-        rgb = np.asarray(capture.scene(), np.float32).reshape(1, 1, 3)
+        if capture.scene is None:
+            found[:, g] = 0.0
+            continue
+        rgb = np.array([[capture.scene(), (1.0, 1.0, 1.0)]], np.float32)
         light = sensor.illuminant(capture.illuminant, capture.as_shot)
-        camera = sensor.to_camera(rgb, illuminant=light, highlights=False)[0, 0]
-        each = dict(zip("RGB", camera, strict=True))
-        found[:, g] = [each.get(letter, camera[1]) * white for letter in letters]
-    return found
+        camera = sensor.to_camera(rgb, illuminant=light, highlights=False)[0] * white
+        found[:, g], greys[:, g] = camera[:, places]
+    return found, greys

@@ -8,6 +8,7 @@ can look like another: the set of names is chosen that needs fewest."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from cg2raw.model.levels import CUT
 from cg2raw.model.mean_images import low_of, middle_of
 from cg2raw.model.planes import PlaneLikelihood
 from cg2raw.model.selection import OF_LENS
-from cg2raw.model.smallest_set import Way, smallest_set
+from cg2raw.model.smallest_set import SmallestSet, Way, smallest_set
 from cg2raw.statistics.constant import PIXEL, Array
 
 FREE = 1e4  # variance of a nuisance that may be anything
@@ -27,6 +28,9 @@ STEP = 1e-6  # of a slope by differences
 ROUNDS = 6  # of Gauss-Newton; two are usual
 SETTLED = 1e-9  # relative: steps that change nothing
 SQUARE = 2  # degree
+MATRIX = "color_matrix"
+# Shares of other colours that one of two bundled sensors takes in the other's colours.
+MATRIX_SHARE = 0.15
 ALIKE = 1e-9  # of the largest singular value: directions that others make up for
 
 # Of light that moves from frame to frame, what is slow down the rows.
@@ -179,6 +183,7 @@ def flat_levels(
     named: Collection[str] = (),
     doubted: Collection[str] = (),
     shaded: Array | None = None,
+    greys: Array | None = None,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none.
 
@@ -189,8 +194,9 @@ def flat_levels(
     off towards the corners, levels are those of the middle of the frame. doubted : what
     is too weak to be named or not shown, and may be there: light that falls off by the
     square of the distance from the middle; a black level of each site that may be
-    anything. shaded : (sites,) the mean of a stated shading, which mean images lack,
-    over that in the middle."""
+    anything; a colour matrix, which shows where flats are not grey. shaded : (sites,)
+    the mean of a stated shading, which mean images lack, over that in the middle. greys
+    : as @predicted, of grey light; 1 of each without."""
     if shaded is None:
         shaded = np.ones(len(predicted))
     predicted = predicted * shaded[:, None]
@@ -220,6 +226,10 @@ def flat_levels(
     covariance += of_sites * blacks[np.ix_(site, site)]
     if BLACK in doubted:
         covariance += of_sites * np.equal.outer(site, site) * white**2
+    if MATRIX in doubted:
+        greys = np.ones_like(of_color) if greys is None else greys[:, groups]
+        mixed = MATRIX_SHARE * _mixed(predicted / greys, letters)
+        covariance += mixed.T @ mixed
     drift = max(float(found.theta[found.parameters.of("black_level_drift")]), 0.0)
     covariance += of_sites * one_light * drift / frames[flat]
     # The mean of the pixels' sensitivity is not quite 1.
@@ -249,6 +259,16 @@ def flat_levels(
     ratios = ratios.ravel()
     are_free = "white_balance" in nuisances or not is_known.any()
     return FlatLevels(ratios, covariance, predicted / white, letters, are_free)
+
+
+def _mixed(balanced: Array, letters: NDArray[np.str_]) -> Array:
+    """Return (n, sites * G) by how much the share of another colour that one takes to
+    itself moves ratios. balanced : (sites, G) levels, alike of all colours of grey."""
+    found = []
+    for own, other in permutations(sorted(set(letters)), 2):
+        taken = balanced[letters == other].mean(axis=0) / balanced - 1
+        found.append((taken * (letters == own)[:, None]).ravel())
+    return np.array(found).reshape(len(found), balanced.size)
 
 
 def _middles(
@@ -282,11 +302,11 @@ def _middles(
     return mean, alike * np.broadcast_to(1 / total, count)
 
 
-def level_gains(
+def levels_set(
     training: FlatLevels, validation: FlatLevels, least: float
-) -> dict[str, float]:
-    """Return the nats of each name of the set that explains levels best, on validation
-    frames with its parameters as trained, over the same set without it, fitted anew.
+) -> SmallestSet:
+    """Return the set of names that explains levels best: nats on validation frames with
+    its parameters as trained, over the same set without the name, fitted anew.
 
     least : nats that a name needs."""
     way = Way(
@@ -294,4 +314,4 @@ def level_gains(
         lambda names, trained: validation.value(names, *trained),
         lambda names: validation.value(names, validation.fitted(names)),
     )
-    return smallest_set(dict.fromkeys(validation.names, 0), least, [way]).gains
+    return smallest_set(dict.fromkeys(validation.names, 0), least, [way])

@@ -13,6 +13,10 @@ class ColorMatrix(Effect):
     title = "colour matrix"
     where = "grows with chroma, none on greys"
     signature = frozenset({"mixer"})
+    told_apart = dict.fromkeys(
+        ("exposure", "nonlinearity"),
+        "Flats of grey light: a colour matrix leaves greys as they are.",
+    )
 
 
 EFFECT = ColorMatrix()
