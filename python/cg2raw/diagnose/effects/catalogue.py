@@ -3,10 +3,11 @@
 
 """Catalogue: the effects of this folder's files, and which of them can be named."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
+from types import MappingProxyType
 
 from cg2raw import _core
 from cg2raw.cfa import is_mono, sites_of
@@ -60,6 +61,24 @@ def of_images() -> frozenset[str]:
 def of_means() -> frozenset[str]:
     """Return the names of the effects that move the mean of images."""
     return frozenset(name for name in names() if effect(name).predicted)
+
+
+def takers_of(
+    name: str,
+    nats: Mapping[str, float],
+    alike: Mapping[str, Collection[str]] = MappingProxyType({}),
+    least: float = 0.0,
+) -> list[str]:
+    """Return the effects of which one may be what their models do not describe.
+
+    nats : that each effect gains. alike : others that may be in its place. least : the
+    share of a gain that any may leave."""
+    return [
+        other
+        for other, gain in nats.items()
+        for one in (other, *alike.get(other, ()))
+        if nats[name] < max(effect(one).taken_up_by.get(name, 0.0), least) * gain
+    ]
 
 
 def candidates(cfa: str, without: Iterable[str] = ()) -> list[Effect]:

@@ -18,7 +18,7 @@ import numpy as np
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.effects.base import Effect, Predicted
-from cg2raw.diagnose.effects.catalogue import candidates, effect
+from cg2raw.diagnose.effects.catalogue import candidates, effect, takers_of
 from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.scenes import flicker as waves
@@ -74,7 +74,8 @@ class Scenes:
 
     effects : those with derivatives. known : standard errors of those that darks and
     flats decided, which images correct. theta : (P,) their values beyond the profile's.
-    model : the profile, effects at their values, and calibrated noise. nats : of
+    model : the profile, effects at their values, and calibrated noise. sets, grams :
+    normal equations where it was last summed. nats : of
     effects without derivatives, on validation frames; shapes : values and standard
     errors of each. least_flicker : the amplitude that validation frames would show.
     of_noise : (2, 2), the information by which noise was fitted; None where it is not.
@@ -94,6 +95,7 @@ class Scenes:
     excess: Excess = field(default_factory=Excess)
     placements: dict[str, Placement] = field(default_factory=dict)
     chosen: Chosen = field(default_factory=lambda: Chosen([], {}, {}))
+    sets: Sums = field(default_factory=dict)
     grams: Mapping[str, Gram] = field(default_factory=dict)
     nats: dict[str, float] = field(default_factory=dict)
     shapes: dict[str, tuple[Array, Array]] = field(default_factory=dict)
@@ -192,43 +194,43 @@ class Scenes:
         left = Residuals().taken(point, self.nuisances(point))
         return np.asarray(left / np.where(point.root > 0, point.root, 1.0))
 
-    def sums(self) -> Sums:
-        """Return the normal equations of each set, in which views' own nuisances are
-        integrated out."""
-        counted, space = self._counted(), self.space
+    def _squares(
+        self, *groups: str, weights: Model | None = None, stated: bool = False
+    ) -> float:
+        """Return the squares that nuisances leave of frames of some groups.
+
+        weights, stated : as of _summed."""
+        views = [view for view in self.views if view.group in groups]
+        sets = self._summed(views, [], weights, stated).values()
+        return sum(float(_without(*one, False).products[-1, -1]) for one in sets)
+
+    def _summed(
+        self,
+        views: Sequence[View],
+        effects: Sequence[Effect],
+        weights: Model | None = None,
+        stated: bool = False,
+    ) -> Sums:
+        """Return the normal equations of each set by some effects, in which views' own
+        nuisances are integrated out.
+
+        weights : whose standard deviations count, None for those of the model. stated :
+        as of nuisances."""
+        space = Space.of({one.name: len(one.used) for one in effects})
+        counted = self._counted() if effects else np.zeros(0)
 
         def work(view: View) -> tuple[Normal, list[Nuisance]]:
             point = self.point(view)
             if view.group == REPORT:
                 point.charts = 1  # that decide nothing together
-            nuisances = self.nuisances(point)
-            normal = normal_of(point, self.effects, space, counted, nuisances)
+            if weights is not None:
+                point.root = self.point(view, weights).root
+            nuisances = self.nuisances(point, stated)
+            normal = normal_of(point, effects, space, counted, nuisances)
             # Their images are large, and what they are called is enough.
             bare = [replace(one, change=np.zeros(0)) for one in nuisances]
             return _without(normal, bare, True), bare
 
-        return self._by_set(work, self.views)
-
-    def _squares(self, model: Model) -> float:
-        """Return the squares of training and validation frames, which nuisances leave,
-        in the standard deviations of another model."""
-
-        def work(view: View) -> tuple[Normal, list[Nuisance]]:
-            point = self.point(view)
-            point.root = self.point(view, model).root
-            nuisances = self.nuisances(point)
-            normal = normal_of(point, [], Space.of({}), np.zeros(0), nuisances)
-            return _without(normal, nuisances, True), nuisances
-
-        views = [view for view in self.views if view.group != REPORT]
-        sets = self._by_set(work, views).values()
-        return sum(float(_without(*one, False).products[-1, -1]) for one in sets)
-
-    def _by_set(
-        self,
-        work: Callable[[View], tuple[Normal, list[Nuisance]]],
-        views: Sequence[View],
-    ) -> Sums:
         sets: Sums = {}
         for view, (normal, nuisances) in zip(
             views, self.workers.map(work, views), strict=True
@@ -238,14 +240,16 @@ class Scenes:
             sets[key] = (normal if known is None else normal + known[0]), nuisances
         return sets
 
-    def _grams(self, sets: Sums) -> dict[str, Gram]:
+    def _sum(self) -> None:
+        """Sum all views where the chain is linearised now."""
+        self.sets = self._summed(self.views, self.effects)
         size = self.space.size
         empty = Gram(0, 0.0, np.zeros(size), np.zeros((size, size)))
         found: dict[str, list[Gram]] = {one: [empty] for one in (FIT, SELECT, REPORT)}
-        for key, (normal, nuisances) in sets.items():
+        for key, (normal, nuisances) in self.sets.items():
             rest = _without(normal, nuisances, False)
             found[key.partition("/")[0]].append(rest.gram(size))
-        return {name: reduce(add, every) for name, every in found.items()}
+        self.grams = {name: reduce(add, every) for name, every in found.items()}
 
     def _counted(self) -> Array:
         """Return theta without parameters that are the shape of others: nothing is left
@@ -269,7 +273,7 @@ class Scenes:
             self.ended = type(ended)
         self.workers.deadline = None  # the report is written in any case
         if self.ended is not None or not self.grams:
-            self.grams = self._grams(self.sums())
+            self._sum()
 
     def _decide(self, say: Say) -> None:
         if self.capture_set.nuisances & {"registration", "exposure", "white_balance"}:
@@ -295,8 +299,7 @@ class Scenes:
 
     def _pass(self) -> bool:
         """Choose anew; return whether anything moved far."""
-        sets = self.sums()
-        self.grams = self._grams(sets)
+        self._sum()
         select = Selection(
             self.space,
             self.with_known(self.grams[FIT]),
@@ -306,7 +309,7 @@ class Scenes:
             self.known,
         )
         self.chosen = self._chosen(select)
-        moved = self._step(sets)
+        moved = self._step()
         moved |= self._fill_well()
         doubted = self.capture_set.nuisances & {"registration", "radiance"}
         if self._calibrates or doubted:
@@ -326,11 +329,7 @@ class Scenes:
                 and not one.is_possible(self._with_profile(one, theta))
             }
             # A filter would take its part of the noise, whatever it stands for.
-            shares = [
-                effect(other).taken_up_by.get(FILTER, 0.0) * gain
-                for other, gain in chosen.nats.items()
-            ]
-            if chosen.nats.get(FILTER, math.inf) < max(shares, default=0.0):
+            if FILTER in chosen.nats and takers_of(FILTER, chosen.nats):
                 impossible.add(FILTER)
             if not impossible:
                 return chosen
@@ -349,25 +348,26 @@ class Scenes:
         theta[index] += (self.theta - self._counted())[index]
         return theta
 
-    def _step(self, sets: Sums) -> bool:
+    def _step(self) -> bool:
         """Move to the values of the chosen effects; return whether that was far.
 
         Where the linear model of the move is wrong by more than SHAPE_ERROR of what it
         gains, those that are new and gain less than that wait: they would take up its
         errors, and are chosen anew where the others lead."""
         if self.capture_set.nuisances:
-            return self._move(sets)  # they take part of an error themselves
+            return self._move()  # they take part of an error themselves
         theta, model, counted = self.theta, self.model, self._counted()
         both = self.grams[FIT] + self.grams[SELECT]
         there = {term.name for term in model.terms}
         chosen, is_cut = self.chosen, False
         while True:
-            moved, names = self._move(sets), self.chosen.names
+            moved, names = self._move(), self.chosen.names
             new = [name for name in names if name not in there]
             if len(names) < 2 or not new:
                 return moved or is_cut
             gain = both.gain(self.theta - theta + counted)
-            wrong = abs(self._squares(model) - both.squares + 2 * gain) / 4
+            squares = self._squares(FIT, SELECT, weights=model)
+            wrong = abs(squares - both.squares + 2 * gain) / 4
             weakest = min(new, key=lambda name: chosen.nats[name])
             usual = SHAPE_ERROR * (gain - both.gain(counted)) / 2  # of one split
             if wrong <= max(chosen.nats[weakest], usual):
@@ -376,7 +376,7 @@ class Scenes:
             nats = {n: chosen.nats[n] for n in names if n != weakest}
             self.chosen, is_cut = replace(chosen, names=[*nats], nats=nats), True
 
-    def _move(self, sets: Sums) -> bool:
+    def _move(self) -> bool:
         """Move to the values of the chosen effects; return whether that was far."""
         both, index = self.both, self.space.index(self.fitted)
         theta = self._likeliest(self.fitted)
@@ -394,7 +394,7 @@ class Scenes:
         change = np.abs(theta - old)
         moved = bool((change > SETTLED * np.maximum(errors, 1e-12)).any())
         counted = self._counted()
-        for key, (normal, nuisances) in sets.items():
+        for key, (normal, nuisances) in self.sets.items():
             name = key.partition("/")[2]
             if name in self.placements:
                 step, brighter = self._place(name, normal, nuisances, counted)
@@ -505,7 +505,8 @@ class Scenes:
     def _refine(self) -> None:
         """Add the detail of the shape of chosen effects that have one, if validation
         frames gain as much as by a name."""
-        effects, theta, grams = self.effects, self.theta, self.grams
+        effects, theta = self.effects, self.theta
+        grams, sets = self.grams, self.sets
         named = self.chosen.names
         detailed = [
             one.in_detail if one.name in named and one.in_detail else one
@@ -522,17 +523,17 @@ class Scenes:
             every[at] = theta[old.slices[before.name]]
             plain += at.tolist() if before.name in self.fitted else []
         self.theta = every
-        sets = self.sums()
-        self.grams = self._grams(sets)
+        self._sum()
         train, validation = self.with_known(self.grams[FIT]), self.grams[SELECT]
         whole = self.space.index(self.fitted)
         gained = validation.gain(train.fit(whole)) - validation.gain(
             train.fit(np.array(plain, np.intp))
         )
         if gained < self.least:
-            self.effects, self.theta, self.grams = effects, theta, grams
+            self.effects, self.theta = effects, theta
+            self.grams, self.sets = grams, sets
             return
-        self._move(sets)
+        self._move()
 
     def _doubt_black_level(self) -> None:
         """Say what else a black level may be, which no darks tell."""
@@ -540,7 +541,7 @@ class Scenes:
             return
         own, counted = self.space.index([BLACK]), self._counted()
         each = []
-        for key, (normal, nuisances) in self.sums().items():
+        for key, (normal, nuisances) in self.sets.items():
             if key.partition("/")[0] != REPORT:
                 gram = _without(normal, nuisances, False).gram(self.space.size)
                 left = (gram.score - gram.information @ counted)[own].sum()
@@ -634,14 +635,7 @@ class Scenes:
         of."""
         if FLICKER not in self.shapes:
             return 0.0
-        squares = np.zeros(2)
-        for point in self.test_points[1]:
-            for k in range(2):
-                nuisances = self.nuisances(point, bool(k))
-                normal = normal_of(point, [], Space.of({}), np.zeros(0), nuisances)
-                own = _without(_without(normal, nuisances, True), nuisances, False)
-                squares[k] += own.products[-1, -1]
-        return float(squares[1] - squares[0])
+        return self._squares(REPORT, stated=True) - self._squares(REPORT)
 
     @property
     def selected(self) -> Predicted:
