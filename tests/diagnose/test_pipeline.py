@@ -16,6 +16,7 @@ from cg2raw.diagnose.pipeline import diagnose
 from cg2raw.diagnose.scenes.decide import Scenes
 from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
+from cg2raw.synthetic.conditions import STUDIO
 from cg2raw.synthetic.sensors import ISO, drawn_sensor, with_noise
 from diagnose.planted import (
     bare,
@@ -53,12 +54,14 @@ def summary(found):
     return found.verdict, effects, tests, found.gap, found.profile_json
 
 
-def few_scenes(seed, number="01", repeats="01", kinds=("scene",), **hidden):
+def few_scenes(
+    seed, number="01", repeats="01", kinds=("scene",), nuisances=None, **hidden
+):
     """Return scenes of each split by their number and frames by theirs, of a camera,
     and all captures of other kinds."""
     sensor = drawn_sensor(seed + 100)
     hidden = draw_hidden(sensor, hidden, seed=seed)
-    made = simulate_captures(sensor, hidden, seed=seed, twice=True)
+    made = simulate_captures(sensor, hidden, seed=seed, twice=True, nuisances=nuisances)
     kept = [
         c
         for c in made.captures
@@ -113,6 +116,12 @@ def test_what_darks_would_show_is_none_of_the_lens(name, strength, kinds, others
     assert effects.keys() <= {name, *others}
     assert all(name in {one, *alike} for one, alike in effects.items())
     assert found.effects and not found.unexplained
+
+
+def test_noise_reduction_is_no_blur_where_renders_are_off_as_well():
+    hidden = {"noise_reduction": 0.055, "nuisances": STUDIO}
+    found = diagnose(few_scenes(3, **hidden), details=False)
+    assert [one.name for one in found.effects] == ["noise_reduction"]
 
 
 def test_a_black_level_beside_amplifiers_may_be_first_columns_of_their_own():

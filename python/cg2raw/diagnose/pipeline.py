@@ -26,6 +26,7 @@ from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
 from cg2raw.model.dark_levels import LEVELS
 from cg2raw.model.flicker import NAME as FLICKER
+from cg2raw.model.lags import FILTER
 from cg2raw.sensor import Sensor
 
 Progress = Callable[[str, float], None]
@@ -88,7 +89,7 @@ def diagnose(
     is_all = len(constant) == len(capture_set.captures)
     lit = of_images() | ({FLICKER} if is_shown(capture_set.captures) else set())
     doubted = capture_set.nuisances  # light that is not known may have ramps and steps
-    asked = names & (lit | {*LEVELS} | (set() if doubted else of_means()))
+    asked = names & (lit | {*LEVELS} | ({FILTER} if doubted else of_means()))
     found, images = None, capture_set
     notes: list[str] = []
     has_both = False

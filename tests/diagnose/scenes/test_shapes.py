@@ -13,7 +13,16 @@ from cg2raw.diagnose.scenes.point import Excess, point_of
 from cg2raw.diagnose.scenes.predict import predict
 from cg2raw.diagnose.scenes.shapes import full_well, photons
 from cg2raw.diagnose.scenes.view import views_of
-from diagnose.planted import FULL_WELL, READ, capture_of, drawn, frames_of, sensor_of
+from diagnose.planted import (
+    FULL_WELL,
+    READ,
+    SHAPE,
+    capture_of,
+    drawn,
+    frames_of,
+    sensor_of,
+    shown,
+)
 
 SENSOR = sensor_of()
 
@@ -41,6 +50,29 @@ def test_a_well_is_found(level):
     assert found == pytest.approx(level, abs=2e-3)
     assert 0 < error < 1e-3
     assert gain > 100
+
+
+def blended(seed):
+    """Return points of scenes with highlights of 4 x 4 px that clip; each pixel takes
+    2 % of the four next ones of its colour."""
+    found = []
+    for n in range(seed, seed + 4):
+        scene = np.full((*SHAPE, 3), 0.3, np.float32)
+        for row, column in np.random.default_rng(n).integers(0, 60, (60, 2)):
+            scene[row : row + 4, column : column + 4] = 3.0
+        [frame] = frames_of(SENSOR, [capture_of(seed=n, scene=lambda s=scene: s)])
+        [frame] = drawn([frame], Model(SENSOR), n)
+        turned = [np.roll(frame.signal, by, axis) for by in (-2, 2) for axis in (1, 2)]
+        found.append(shown(frame, 0.98 * frame.signal + 0.02 * np.mean(turned, axis=0)))
+    return points_of(found)
+
+
+def test_white_that_is_blended_with_darker_pixels_is_no_well():
+    train, validation = blended(1), blended(11)
+    assert full_well(train, validation)[2] > 100
+    assert full_well(train, validation, are_blended=True)[2] <= 0
+    well = full_well(points(1, 0.35), points(11, 0.35), are_blended=True)
+    assert well[0] == pytest.approx(0.35, abs=2e-3) and well[2] > 100
 
 
 def test_no_well_is_none():

@@ -294,6 +294,7 @@ class Scenes:
         say("judging shapes", 0.8)
         self._refine()
         self._doubt_black_level()
+        self._doubt_well()
         self._measure_flicker()
         self._count_photons()
 
@@ -459,11 +460,8 @@ class Scenes:
         stated = self.model.profile_parameters.get(WELL, {}).get("below_white", 0.0)
         if WELL not in self.names or stated:
             return False
-        term, bare = self.model.term(WELL), self.model.without(WELL)
-        level, error, gain = full_well(
-            self.points_of(FIT, bare), self.points_of(SELECT, bare)
-        )
-        self.model = bare
+        term, self.model = self.model.term(WELL), self.model.without(WELL)
+        level, error, gain = full_well(self.points_of(FIT), self.points_of(SELECT))
         self.nats.pop(WELL, None)
         self.shapes.pop(WELL, None)
         if gain < self.least:
@@ -472,7 +470,7 @@ class Scenes:
             gain,
             (np.array([1 - level]), np.array([error])),
         )
-        self.model = bare.with_term(Term(effect(WELL), np.array([1 - level])))
+        self.model = self.model.with_term(Term(effect(WELL), np.array([1 - level])))
         return term is None or abs(term.values[0] - 1 + level) > SETTLED_WELL
 
     def _fit_noise(self) -> bool:
@@ -562,6 +560,17 @@ class Scenes:
             *((name,) for name in sorted(may_be & self.names - {*self.chosen.names})),
         ]
         self.chosen = replace(self.chosen, alike=every)
+
+    def _doubt_well(self) -> None:
+        """Say whether what looks like a full well may be pixels at white that a filter
+        blended with darker ones."""
+        if WELL not in self.nats or FILTER not in self.names:
+            return
+        bare = self.model.without(WELL)
+        train, validation = (self.points_of(split, bare) for split in (FIT, SELECT))
+        if full_well(train, validation, are_blended=True)[2] < self.least:
+            alike = {**self.chosen.alike, WELL: [(FILTER,)]}
+            self.chosen = replace(self.chosen, alike=alike)
 
     def _find_flicker(self) -> None:
         """Judge whether light comes in waves, and of which period."""

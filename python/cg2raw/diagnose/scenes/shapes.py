@@ -10,8 +10,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import minimum_filter
 from scipy.optimize import minimize_scalar
-from scipy.special import log_ndtr, ndtr
+from scipy.special import log_ndtr
 
 from cg2raw.diagnose.effects.poisson_shot_noise import EFFECT
 from cg2raw.diagnose.frames.noise_model import LEAST_VARIANCE
@@ -25,17 +26,20 @@ NEAR = 8.0  # likewise; a sample farther below a well gains less than 1e-14
 LEAST_PILE = 4  # samples of training frames that say where it is
 PILES = 40  # piles that are compared before the best is made finer
 LEAST_LOG = -20.0  # of a sample: one that is broken decides nothing
+OF_ONE_COLOR = np.kron(np.ones((3, 3), bool), [[True, False], [False, False]])[:-1, :-1]
 TAIL = 4.0  # standard deviations; farther samples say nothing of photons' law
 
 
 def full_well(
-    train: Sequence[Point], validation: Sequence[Point]
+    train: Sequence[Point], validation: Sequence[Point], are_blended: bool = False
 ) -> tuple[float, float, float]:
     """Return (level of the full well, 1 at white; its standard error; nats that
     validation frames gain by it); (1, 0, 0) where no sample says so.
 
-    train, validation : of a model without one."""
-    parts = [_bright(points) for points in (train, validation)]
+    train, validation : of a model without one. are_blended : without samples next
+    to one of their colour that is expected below the well: blended with it, those at
+    white would be below it."""
+    parts = [_bright(points, are_blended) for points in (train, validation)]
     y, x, photon, *_ = parts[0]
     short = y[(x - y > FAR_BELOW * np.sqrt(photon)) & (y > BRIGHT_ENOUGH)]
     if short.size < LEAST_PILE:
@@ -59,14 +63,17 @@ def full_well(
     return level, error, _gain(parts[1], level)
 
 
-def _bright(points: Sequence[Point]) -> tuple[Array, ...]:
+def _bright(points: Sequence[Point], are_blended: bool) -> tuple[Array, ...]:
     """Return (signals, expected light, variance by photons, by the read-out, whether at
-    white, the highest full well that shows) of samples that are expected bright, (n,)
-    each."""
-    parts: list[list[Array]] = [[] for _ in range(5)]
+    white, the least light that is blended into them, the highest full well that shows)
+    of samples that are expected bright, (n,) each."""
+    parts: list[list[Array]] = [[] for _ in range(6)]
     for point in points:
         p = point.prediction
         offset = p.mean - p.exposed
+        least = p.exposed
+        if are_blended:
+            least = minimum_filter(least, footprint=OF_ONE_COLOR[None], mode="nearest")
         for frame in point.view.frames:
             used = frame.keep & ~frame.at_zero & (p.exposed > BRIGHT_ENOUGH)
             rest = np.maximum(p.variance - p.photon_variance, LEAST_VARIANCE)
@@ -76,18 +83,22 @@ def _bright(points: Sequence[Point]) -> tuple[Array, ...]:
                 p.photon_variance,
                 rest,
                 frame.at_white,
+                least,
             )
             for part, one in zip(parts, each, strict=True):
                 part.append(np.broadcast_to(one, used.shape)[used])
-    y, x, s2, rest, at_white = (np.concatenate([np.zeros(0), *part]) for part in parts)
+    y, x, s2, rest, at_white, least = (
+        np.concatenate([np.zeros(0), *part]) for part in parts
+    )
     highest = np.maximum(x, (x * rest + y * s2) / (s2 + rest)) + NEAR * np.sqrt(s2)
-    return y, x, s2, rest, at_white, np.where(at_white > 0, np.inf, highest)
+    return y, x, s2, rest, at_white, least, np.where(at_white > 0, np.inf, highest)
 
 
 def _gain(samples: tuple[Array, ...], level: float) -> float:
     """Return nats that samples gain by a full well at a level."""
-    *measured, highest = samples
-    y, x, s2, rest, at_white = (one[highest > level] for one in measured)
+    *measured, least, highest = samples
+    shown = (highest > level) & ((least > level) | (measured[1] <= level))
+    y, x, s2, rest, at_white = (one[shown] for one in measured)
     both = s2 + rest
     plain = -0.5 * (y - x) ** 2 / both - 0.5 * np.log(both)
     split = np.sqrt(s2 * rest / both)
@@ -97,12 +108,10 @@ def _gain(samples: tuple[Array, ...], level: float) -> float:
     cut = np.logaddexp(is_open, shut)
     white = at_white > 0
     plain[white] = log_ndtr((x - 1) / np.sqrt(both))[white]
-    cut[white] = np.log(
-        ndtr((level - 1) / np.sqrt(rest))[white] * np.exp(chance[white]) + 1e-300
-    )
+    cut[white] = (chance + log_ndtr((level - 1) / np.sqrt(rest)))[white]
     scale = -0.5 * np.log(both)  # density at its top, of what is not cut
-    least = np.where(white, LEAST_LOG, scale + LEAST_LOG)
-    return float((np.maximum(cut, least) - np.maximum(plain, least)).sum())
+    broken = np.where(white, LEAST_LOG, scale + LEAST_LOG)
+    return float((np.maximum(cut, broken) - np.maximum(plain, broken)).sum())
 
 
 def photons(points: Sequence[Point], left: Sequence[Array]) -> float:
