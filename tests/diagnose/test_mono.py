@@ -108,6 +108,28 @@ def test_noise_that_is_cut_at_zero_hides_no_effect(white, noise, lights):
     assert found.gap.chi2_after == pytest.approx(1, abs=0.02)
 
 
+@pytest.mark.parametrize(
+    ("splits", "verdict"),
+    [(("fit", "select", "report"), "explained"), (("report",), "unexplained")],
+)
+def test_full_wells_show_in_flats_that_nothing_repeats(splits, verdict):
+    """They are named if the splits that decide have some, and else said to be there."""
+    full, bare = (
+        captures_of(sensor_of(one), kinds=("dark", "flat"), shape=(64, 96))
+        for one in ({"full_well": {"below_white": 0.6}}, None)
+    )
+    pairs = zip(full.captures, bare.captures, strict=True)
+    captures = [one if one.group in splits else other for one, other in pairs]
+    found = diagnose(replace(bare, captures=captures), details=False, threads=1)
+    assert found.verdict == verdict
+    values = {one.name: one.parameters["below_white"].value for one in found.effects}
+    named = {"full_well": pytest.approx(0.6, abs=1e-3)}
+    assert values == (named if verdict == "explained" else {})
+    places = [one.where for one in found.unexplained if one.name == "full wells"]
+    level = "light brings no more noise from 6451 DN above black on"
+    assert places == ([] if values else [level])
+
+
 def test_darks_of_two_codes_tell_no_black_level():
     """Noise of 0.3 DN without a pedestal: one share of darks, two unknowns."""
     bare = sensor_of(black=0, white=4095, beta2=(0.3 / 4095) ** 2)

@@ -7,7 +7,7 @@ release 4.0, saturation capacity."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from cg2raw.model.evaluation import Parameters
 from cg2raw.statistics.codes import COARSE
 from cg2raw.statistics.constant import (
-    BLOCKS,
+    PIXEL,
     Array,
     ConstantStatistics,
     PlaneStatistics,
@@ -25,6 +25,7 @@ NAME = "full_well"
 CEILING = 0.5  # of the largest variance of darker flats; below it the well is full
 CERTAIN = 4.0  # standard errors that a block's variance is below it
 NOTHING = 0.01  # of a profile's shot noise, that a flat without any may have
+NONE = 1e-9  # DN^2, of noise that nobody knows
 MOST_CLIPPED = 0.002  # of the pixels of a flat that still counts (EMVA 1288)
 
 
@@ -32,12 +33,13 @@ MOST_CLIPPED = 0.002  # of the pixels of a flat that still counts (EMVA 1288)
 class FullWell:
     """groups : numbers of the flats in which wells are full. level : DN above black, of
     a full well; error : its standard error. nats : of the split that says less,
-    against half of the noise that darker flats have."""
+    against half of the noise that darker flats have; most : of all flats."""
 
     groups: tuple[int, ...]
     level: float
     error: float
     nats: float
+    most: float = 0.0
 
 
 class _Blocks(NamedTuple):
@@ -65,24 +67,27 @@ def full_well(
     parameters = Parameters(len(statistics.planes))
     darks = statistics.shortest_darks()
     groups, levels = list[NDArray[np.int64]](), list[Array]()
-    nats = dict.fromkeys(splits, 0.0)
+    nats, most = dict.fromkeys(splits, 0.0), 0.0
     tried = float(np.log(sum(plane.noise.size for plane in statistics.planes)))
-    repeated = np.flatnonzero(statistics.is_flat & (statistics.pairs > 0)).tolist()
-    noises = {g: statistics.block_noise(g) for g in repeated}
-    lit = {g: statistics.block_levels(g) for g in noises}
+    flats = np.flatnonzero(statistics.is_flat)
+    repeated = flats[statistics.pairs[flats] > 0]
+    used = (repeated if len(repeated) else flats).tolist()
+    measured = {g: _measured(statistics, g) for g in used}
     for site, plane in enumerate(statistics.planes):
         black, read, gain = (
             float(profile[parameters.of(name, site)])
             for name in ("black_level", "read_noise", "gain")
         )
         if len(darks):
-            black, read = float(plane.level[darks].mean()), plane.power[darks].mean()
-        blocks = _blocks_of(plane, site, black, lit, noises)
+            black = float(plane.level[darks].mean())
+            read = np.mean([_measured(statistics, g)[1][site].mean() for g in darks])
+        blocks = _blocks_of(plane, site, black, measured)
         law = gain * blocks.level if has_noise else 0 * blocks.level
         each = _nats_of_less(blocks, read, law)
         is_full = each > least + tried
         groups.append(blocks.group[is_full])
         levels.append(blocks.level[is_full])
+        most += float(each[is_full].sum())
         for split in splits:
             own = statistics.splits[blocks.group] == split
             nats[split] += float(each[is_full & own].sum())
@@ -97,29 +102,41 @@ def full_well(
         float(highest.mean()),
         float(max(highest.std(), 0.5)),
         max(min(nats.values()) - tried, 0.0),
+        most,
     )
 
 
+def _measured(statistics: ConstantStatistics, number: int) -> tuple[Array, ...]:
+    """Return (planes, n) levels, DN, variances of noise, DN^2, and their relative
+    errors, of the blocks of a group; of one without pairs as a whole, in which pixels
+    differ by patterns as well."""
+    if statistics.pairs[number]:
+        return statistics.block_levels(number), *statistics.block_noise(number)
+    levels = np.array([[plane.level[number]] for plane in statistics.planes])
+    freedom = np.array([[plane.freedom[PIXEL]] for plane in statistics.planes])
+    variances = statistics.variance(number)[:, None]
+    return levels, variances, np.sqrt(2 / np.maximum(freedom, 1))
+
+
 def _blocks_of(
-    plane: PlaneStatistics,
-    site: int,
-    black: float,
-    levels: Mapping[int, Array],
-    noises: Mapping[int, tuple[Array, Array]],
+    plane: PlaneStatistics, site: int, black: float, measured: Mapping[int, Any]
 ) -> _Blocks:
-    """Return the blocks of a site's flats that white does not clip. levels, noises : of
-    flats that repeat, block_levels and block_noise."""
-    used = [
-        g
-        for g in levels
-        if plane.high[g] + plane.low[g] <= MOST_CLIPPED and plane.power[g] > COARSE
+    """Return the blocks of a site's flats that white does not clip. measured : of
+    flats, as of _measured."""
+    each = [
+        (
+            level[site] - black,
+            noise[site],
+            error[site] * noise[site],
+            0 * noise[site] + g,
+        )
+        for g, (level, noise, error) in measured.items()
+        if plane.high[g] + plane.low[g] <= MOST_CLIPPED and noise[site].mean() > COARSE
     ]
-    level = np.ravel([levels[g][site] for g in used]) - black
-    noise, relative = (np.ravel([noises[g][n][site] for g in used]) for n in (0, 1))
-    error, group = noise * relative, np.repeat(np.array(used, int), BLOCKS**2)
+    level, noise, error, group = np.concatenate([np.zeros((4, 0)), *each], axis=1)
     known = np.flatnonzero(noise > 0)
     order = known[np.argsort(level[known], kind="stable")]
-    return _Blocks(level[order], noise[order], error[order], group[order])
+    return _Blocks(level[order], noise[order], error[order], group[order].astype(int))
 
 
 def _nats_of_less(blocks: _Blocks, read: float, law: Array) -> Array:
@@ -133,7 +150,7 @@ def _nats_of_less(blocks: _Blocks, read: float, law: Array) -> Array:
     darker = np.maximum(np.concatenate([[0.0], sure[:-1]]), 0.0)
     freedom = 2 * (blocks.noise / blocks.error) ** 2
     less, none = (
-        _nats_below(blocks.noise / (read + CEILING * usual), freedom)
+        _nats_below(blocks.noise / np.maximum(read + CEILING * usual, NONE), freedom)
         for usual in (darker, law)
     )
     # Of flats as a whole: light's noise, its error, and what a profile says of it.

@@ -35,6 +35,7 @@ from cg2raw.diagnose.verdict.limits import detection_limits
 from cg2raw.diagnose.verdict.profile import mean_of_edge, updated_profile
 from cg2raw.diagnose.verdict.unexplained import (
     chi_square_test,
+    full_well_test,
     left_over,
     tests_of,
     unnamed_tests,
@@ -45,6 +46,7 @@ from cg2raw.model.components import FREE
 from cg2raw.model.dark_levels import DRIFT
 from cg2raw.model.fit import Fit, refitted
 from cg2raw.model.flat_levels import CHANGES
+from cg2raw.model.full_well import NAME as WELL
 from cg2raw.model.lags import FILTER
 from cg2raw.model.likelihood import Likelihood, misfits
 from cg2raw.model.selection import NAMES
@@ -101,6 +103,9 @@ def diagnosis_of(
     tests = [tests_of(one, model, samples) for one in held_out]
     spots = found.statistics.spots
     unnamed = [*unnamed_tests(found.selection.unnamed, samples, spots)]
+    well = found.frames.well
+    if well is not None and WELL in {*names} - {*chosen}:
+        unnamed.append(full_well_test(well, samples))
     gained = gap.before - gap.after
     left = left_over([*tests[1], *unnamed], gained)
     left += chi_square_test(gap.chi2_after, freedom, gained)

@@ -20,6 +20,7 @@ from cg2raw.diagnose.diagnosis import (
     ResidualTest,
 )
 from cg2raw.model.fit import Fit
+from cg2raw.model.full_well import FullWell
 from cg2raw.model.likelihood import Misfit, misfits
 from cg2raw.model.selection import SPOTS
 from cg2raw.statistics.constant import GroupInfo
@@ -134,3 +135,12 @@ def unnamed_tests(
             where += f"; the largest of {len(spots.places)} is at row {row:.0f}, "
             where += f"column {column:.0f}"
         yield ResidualTest(name, nats, chance, each, where)
+
+
+def full_well_test(well: FullWell, samples: int) -> ResidualTest:
+    """Return the test of wells that are full and are not named."""
+    where = f"light brings no more noise from {well.level:.0f} DN above black on"
+    each = well.most / samples
+    return ResidualTest(
+        "full wells", well.level, exp(-min(well.most, 700.0)), each, where
+    )
