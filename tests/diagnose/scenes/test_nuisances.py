@@ -129,12 +129,11 @@ def test_light_that_jitters_is_a_frame_s_own(frames, declared, each):
     assert light.own and light.deviation == pytest.approx(each / np.sqrt(frames))
 
 
-def test_a_smooth_error_is_of_a_set_and_less_the_finer_it_is():
+def test_a_smooth_error_is_of_a_set_and_as_large_at_each_degree():
     found = nuisances(nuisances=frozenset({"radiance"}))
     assert not any(one.own for one in found.values())
     assert len(found) == 27  # products of polynomials of up to degree 6 in all
-    assert found["field 0 1"].deviation == pytest.approx(0.01)
-    assert found["field 2 3"].deviation == pytest.approx(0.002)
+    assert {one.deviation for one in found.values()} == {0.01}
 
 
 @pytest.mark.parametrize(

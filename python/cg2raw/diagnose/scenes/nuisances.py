@@ -35,7 +35,9 @@ SHARPNESS = (0.004, 0.002)
 # one that passes 2 cycles a pixel. Source: M. Born, E. Wolf, Principles of Optics,
 # section 8.5.2.
 WINGS, FIRST_OF_WINGS, LAST_OF_WINGS = 0.01, 10.0, 64.0  # -, px, px
-DEGREES = 6  # of the polynomials of a smooth error of light
+# Of the polynomials of a smooth error of light, each of which may be as large as is
+# declared: nobody knows how smooth it is.
+DEGREES = 6
 # Relative, if none is declared: of light from frame to frame, of a render's smooth
 # error, and of the light on a chart, which lamps make even to some per cent.
 LEAST_DOUBT = {"light": 0.005, "radiance": 0.01}
@@ -101,9 +103,8 @@ def nuisances_of(
     if shows.image and "radiance" in free:
         y, x = to_edge(v), to_edge(u)
         for a, b in fields(DEGREES):
-            doubt = least["radiance"] / (a + b)
             sides = legendre(a, y), legendre(b, x)
-            yield Nuisance(f"field {a} {b}", doubt, False, camera, *sides)
+            yield Nuisance(f"field {a} {b}", least["radiance"], False, camera, *sides)
     if shows.render and is_blurred:
         yield Nuisance("wings of blur", WINGS, False, wings(camera))
     if shows.render and "registration" in free:
