@@ -136,7 +136,17 @@ def test_a_black_level_beside_amplifiers_may_be_first_columns_of_their_own():
 def test_a_black_level_on_which_scenes_do_not_agree_may_be_drift():
     found = diagnose(few_scenes(2, black_level_drift=0.2), details=False)
     effects = {one.name: one.ambiguous_with for one in found.effects}
-    assert effects == {"black_level": ["black_level_drift"]}
+    assert effects == {"black_level": ["dark_current", "black_level_drift"]}
+
+
+@pytest.mark.parametrize(
+    ("seed", "others"), [(4, []), (7, ["black_level"])], ids=["strong", "weak"]
+)
+def test_dark_current_grows_with_the_time_of_scenes(seed, others):
+    """A black level does not; what is weak may be either."""
+    found = diagnose(few_scenes(seed, dark_current=2.0), details=False)
+    [one] = found.effects
+    assert (one.name, one.ambiguous_with) == ("dark_current", others)
 
 
 def test_darks_whose_noise_lies_within_a_code_have_no_part_in_it():

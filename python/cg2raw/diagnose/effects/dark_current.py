@@ -23,6 +23,10 @@ class DarkCurrent(Effect):
         "that of dark current grows with time.",
     }
 
+    @property
+    def predicted(self) -> bool:
+        return True
+
     def size_on(self, values: Estimates, sensor: Sensor) -> str:
         """With the profile's, if it states any: by how much the sensor is warmer."""
         text = self.size(values)

@@ -14,6 +14,7 @@ from functools import cached_property, reduce
 from operator import add
 
 import numpy as np
+from scipy.stats import ttest_1samp
 
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.diagnosis import ResidualTest
@@ -22,7 +23,6 @@ from cg2raw.diagnose.effects.catalogue import candidates, effect, takers_of
 from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.scenes import flicker as waves
-from cg2raw.diagnose.scenes.black_level import others_that_lift
 from cg2raw.diagnose.scenes.correspondence import check_correspondence
 from cg2raw.diagnose.scenes.gram import Array, Gram, Normal, Space
 from cg2raw.diagnose.scenes.model import Model, Term
@@ -45,7 +45,7 @@ from cg2raw.diagnose.stated_shapes import SHAPE_ERROR
 from cg2raw.diagnose.workers import TimeIsUp, Workers
 from cg2raw.interrupts import raised
 from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
-from cg2raw.model.dark_levels import BLACK, CURRENT
+from cg2raw.model.dark_levels import BLACK, CURRENT, DRIFT
 from cg2raw.model.flicker import NAME as FLICKER
 from cg2raw.model.lags import FILTER
 
@@ -104,6 +104,8 @@ class Scenes:
     ended: type[BaseException] | None = None
 
     def __post_init__(self) -> None:
+        if any(one.frame.capture.exposure_time is None for one in self.views):
+            self.names -= {CURRENT}
         self.effects = [
             one
             for one in candidates(self.capture_set.sensor.cfa)
@@ -534,7 +536,8 @@ class Scenes:
         self._move()
 
     def _doubt_black_level(self) -> None:
-        """Say what else a black level may be, which no darks tell."""
+        """Say what else a black level may be, which no darks tell: drift, if scenes
+        agree on it no better than by chance (Student, Biometrika 6(1), 1908)."""
         if BLACK not in self.chosen.names:
             return
         own, counted = self.space.index([BLACK]), self._counted()
@@ -547,14 +550,13 @@ class Scenes:
         index = self.space.index(self.fitted)
         at = np.ix_(places := np.searchsorted(index, own), places)
         known = np.linalg.inv(self.both.covariance(index)[at])
-        may_be = others_that_lift(self.theta[own], known, np.array(each), self.alpha)
-        if not all(view.frame.seconds for view in self.views):
-            may_be -= {CURRENT}
+        mean = float((known @ self.theta[own]).sum() / known.sum())
         every = dict(self.chosen.alike)
         # Where offsets differ all over the frame, its first columns may as well.
         others = {*self.chosen.names, *sum(every.get(BLACK, ()), ())}
-        if others & {RAMP, MISMATCH}:
-            may_be.add(RAMP)
+        may_be = {RAMP} if others & {RAMP, MISMATCH} else set()
+        if ttest_1samp(mean + np.array(each), 0.0).pvalue > self.alpha:
+            may_be.add(DRIFT)
         every[BLACK] = [
             *every.get(BLACK, ()),
             *((name,) for name in sorted(may_be & self.names - {*self.chosen.names})),
