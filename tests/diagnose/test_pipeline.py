@@ -149,6 +149,15 @@ def test_dark_current_grows_with_the_time_of_scenes(seed, others):
     assert (one.name, one.ambiguous_with) == ("dark_current", others)
 
 
+def test_a_ramp_that_no_darks_tell_may_be_glow():
+    """And a dark current beside it the mean of that."""
+    found = diagnose(few_scenes(8, amplifier_glow=60.0), details=False)
+    assert {one.name: one.ambiguous_with for one in found.effects} == {
+        "bias_structure": ["amplifier_glow"],
+        "dark_current": ["amplifier_glow"],
+    }
+
+
 def test_darks_whose_noise_lies_within_a_code_have_no_part_in_it():
     """At 0.2 DN about a whole code one pixel in 80 has another: patterns were named."""
     made = changed(drawn_sensor(5), bits=10, white_level=1023, black_level=[4.0] * 4)

@@ -16,7 +16,7 @@ from cg2raw.diagnose.darks_and_flats import WithinCode, darks_and_flats
 from cg2raw.diagnose.diagnosis import DetectionLimit, Diagnosis
 from cg2raw.diagnose.effects.catalogue import candidates, of_images, of_means
 from cg2raw.diagnose.frames.reader import read_frames
-from cg2raw.diagnose.scenes.decide import decide
+from cg2raw.diagnose.scenes.decide import GLOW, decide
 from cg2raw.diagnose.scenes.flicker import is_shown
 from cg2raw.diagnose.scenes.noise_level import noise_models
 from cg2raw.diagnose.verdict.constant import diagnosis_of, unfinished
@@ -89,7 +89,8 @@ def diagnose(
     is_all = len(constant) == len(capture_set.captures)
     lit = of_images() | ({FLICKER} if is_shown(capture_set.captures) else set())
     doubted = capture_set.nuisances  # light that is not known may have ramps and steps
-    asked = names & (lit | {*LEVELS} | ({FILTER} if doubted else of_means()))
+    offsets = {FILTER} if doubted else of_means() | {GLOW}
+    asked = names & (lit | {*LEVELS} | offsets)
     found, images = None, capture_set
     notes: list[str] = []
     has_both = False

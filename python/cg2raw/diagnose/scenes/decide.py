@@ -49,7 +49,7 @@ from cg2raw.model.dark_levels import BLACK, CURRENT, DRIFT
 from cg2raw.model.flicker import NAME as FLICKER
 from cg2raw.model.lags import FILTER
 
-RAMP = "bias_structure"
+RAMP, GLOW = "bias_structure", "amplifier_glow"
 WELL, PHOTONS, BLUR = "full_well", "poisson_shot_noise", "blur"
 FIT, SELECT, REPORT = "fit", "select", "report"
 PASSES = 5
@@ -295,7 +295,7 @@ class Scenes:
                 break
         say("judging shapes", 0.8)
         self._refine()
-        self._doubt_black_level()
+        self._doubt_offsets()
         self._doubt_well()
         self._measure_flicker()
         self._count_photons()
@@ -535,9 +535,15 @@ class Scenes:
             return
         self._move()
 
-    def _doubt_black_level(self) -> None:
-        """Say what else a black level may be, which no darks tell: drift, if scenes
-        agree on it no better than by chance (Student, Biometrika 6(1), 1908)."""
+    def _doubt_offsets(self) -> None:
+        """Say what else offsets may be, which no darks tell: a ramp, and a dark current
+        with it, glow; a black level, drift, if scenes agree on it no better than by
+        chance (Student, Biometrika 6(1), 1908)."""
+        if RAMP in self.chosen.names and GLOW in self.names:
+            every = dict(self.chosen.alike)
+            for name in {RAMP, CURRENT} & {*self.chosen.names}:
+                every[name] = [*every.get(name, ()), (GLOW,)]
+            self.chosen = replace(self.chosen, alike=every)
         if BLACK not in self.chosen.names:
             return
         own, counted = self.space.index([BLACK]), self._counted()
