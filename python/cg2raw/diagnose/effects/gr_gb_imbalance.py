@@ -10,6 +10,8 @@ class GrGbImbalance(Effect):
     name = "gr_gb_imbalance"
     title = "Gr/Gb imbalance"
     where = "greens of red rows against greens of blue rows"
+    # What both greens have is a white balance: a sensor's differ by some per cent.
+    bounds = {"gr": (-0.1, 0.1), "gb": (-0.1, 0.1)}  # on top of what a profile has
     from_means = True
     bayer_only = True
     told_apart = {
