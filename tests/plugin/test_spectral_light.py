@@ -10,7 +10,7 @@ import pytest
 import cg2raw
 from cg2raw import _core
 from cg2raw.io.spectra_file import SpectraFile, spectra_in
-from cg2raw.spectra import boxes, simulate_spectra
+from cg2raw.spectra import boxes, estimated_light, simulate_spectra
 from dng import dng_files
 from images import attributes, read_dn
 from python import commands
@@ -142,3 +142,8 @@ def test_an_estimated_spectrum_has_the_light_of_each_bin():
         inside = np.linspace(low + 0.01, high - 0.01, 9)
         assert np.interp(inside, nm, power) == pytest.approx(value)
     assert (nm[0], nm[-1]) == pytest.approx((395, 437.5))
+
+
+def test_the_light_that_an_image_states_is_taken_as_it_is():
+    stated = [(400.0, 0.3), (410.0, 0.5)]
+    assert estimated_light("estimate", stated, [405.0], lambda _: None) == stated

@@ -340,3 +340,20 @@ def test_it_says_who_reads_a_dng(monkeypatch, tmp_path):
 def test_a_wrong_option_exits_2():
     done = doctor("--jsn")
     assert done.returncode == 2 and "usage: cg2raw" in done.stderr
+
+
+def test_a_host_that_does_not_run_has_written_nothing(tmp_path):
+    host = hosts.Host("oiiotool", str(tmp_path / "oiiotool"), "2.4.7")
+    trial = hosts.try_to_write(host, "canon-70d")
+    assert (trial.wrote, trial.message) == (False, "does not run, or not within 60 s")
+
+
+def test_a_host_that_searches_nowhere_is_said_to():
+    host = {
+        **{"path": "oiiotool", "version": "2.4.7", "plugin_api": 24, "search": []},
+        **{"plugins": [], "register_oiio_plugin": None, "works": True},
+        **{"reader": None, "remedy": ""},
+    }
+    assert cli_doctor.host_lines(host)[1].endswith(
+        "nothing: neither OIIO_LIBRARY_PATH nor OPENIMAGEIO_PLUGIN_PATH names a folder"
+    )

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from cg2raw.cli._verdict import (
+    comparison_json,
     comparison_text,
     integrity_json,
     integrity_text,
@@ -85,6 +86,24 @@ def diagnosed(**fields):
             **fields,
         }
     )
+
+
+def test_a_comparison_may_be_of_one_sensor():
+    found = comparison_json(["acme"], [diagnosed()], ["odd"])
+    [row] = found.pop("sensors")
+    assert row == {
+        **{"sensor": "acme", "gap": 0.123456, "chi_square": 1.5},
+        "verdict": "explained",
+    }
+    assert found == {
+        **{"gap_unit": "nats/pixel", "test_frames": ["a", "b"], "notes": ["odd"]}
+    }
+    assert comparison_text(["acme"], [diagnosed()], ["odd"]).splitlines() == [
+        "sensor  gap     chi-square  verdict",
+        "acme    0.1235  1.500       explained",
+        "gap in nats/pixel, on 2 test frames",
+        "note      odd",
+    ]
 
 
 def test_a_verdict_is_its_effects_its_gap_and_what_is_left():

@@ -42,6 +42,7 @@ def chosen(grams, most=9, known=()):
 def test_what_is_planted_is_named_and_nothing_else():
     found = chosen(pair([0.5, 0, 0, -0.3]))
     assert found.names == ["one", "other"]
+    assert chosen(pair([0.3, 0, 0, -0.5])).names == ["other", "one"]  # best first
     # A strength s gains s^2 n / 2 on average.
     assert found.nats["one"] == pytest.approx(0.25 * 1000, rel=0.3)
 
