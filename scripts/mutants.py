@@ -216,19 +216,23 @@ class Coverage:
 
     def tests_of(self, source: str, lines: range | None) -> list[str]:
         """Return the tests that run some of the lines, of the folder that mirrors the
-        source's first, then quick files first; None: any line of the source."""
+        source's first, then quick files first; None, of what a module says once: any
+        line of the sources of its folder, which may read it."""
         inside = source.partition("/")[2]
-        files: dict[str, list[str]] = defaultdict(list)
-        for test, those in self.lines[inside].items():
-            if lines is None or any(line in lines for line in those):
-                files[test.partition("::")[0]].append(test)
+        files: dict[str, set[str]] = defaultdict(set)
+        folder = PurePath(inside).parent
+        near = [one for one in self.lines if PurePath(one).parent == folder]
+        for one in [inside] if lines else near:
+            for test, those in self.lines[one].items():
+                if lines is None or any(line in lines for line in those):
+                    files[test.partition("::")[0]].add(test)
         mirror = PurePath("tests", *PurePath(inside).parts[1:-1])
 
         def order(file: str) -> tuple[bool, float]:
             cost = sum(map(self.seconds.get, files[file]))
             return not PurePath(file).is_relative_to(mirror), cost
 
-        return [test for file in sorted(files, key=order) for test in files[file]]
+        return [test for f in sorted(files, key=order) for test in sorted(files[f])]
 
 
 def judge(scratch: Scratch, path: str, mutation, tests: list[str], seconds) -> str:

@@ -10,14 +10,19 @@ import sys
 import pytest
 
 
-@pytest.fixture(scope="module")
-def mutations(repository):
-    path = repository / "scripts/mutation_operators.py"
-    spec = importlib.util.spec_from_file_location("mutation_operators", path)
+def script(repository, name):
+    """Return a module of scripts/."""
+    path = repository / "scripts" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(name, path)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
-    return module.mutations
+    return module
+
+
+@pytest.fixture(scope="module")
+def mutations(repository):
+    return script(repository, "mutation_operators").mutations
 
 
 # Sources, and all that takes the place of their text.
@@ -109,3 +114,18 @@ def test_seen_and_unseen_faults_are_told_apart_and_kept(repository, tmp_path):
     assert again.stdout.splitlines() == [
         line for line in done.stdout.splitlines() if line not in verdicts
     ]
+
+
+def test_what_a_module_says_once_meets_the_tests_of_its_folder(repository):
+    found = object.__new__(script(repository, "mutants").Coverage)
+    a, b, c = (f"tests/{name}.py::test" for name in ("io/test_a", "io/test_b", "c"))
+    found.lines = {
+        "cg2raw/io/a.py": {a: [3, 4]},
+        "cg2raw/io/b.py": {b: [1]},
+        "cg2raw/cli/c.py": {c: [1]},
+    }
+    found.seconds = {a: 2.0, b: 1.0, c: 0.1}
+    source = "python/cg2raw/io/a.py"
+    assert found.tests_of(source, range(4, 6)) == [a]
+    assert found.tests_of(source, range(6, 7)) == []
+    assert found.tests_of(source, None) == [b, a]
