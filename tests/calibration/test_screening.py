@@ -102,6 +102,15 @@ def test_a_first_look_is_at_levels_noise_and_ends_of_codes(step):
     assert found.spacing == 4 * (step,) and found.codes > 80
 
 
+@pytest.mark.parametrize(("kind", "share"), [("dark", 0.5), ("flat", 0.0)])
+def test_noise_is_cut_in_darks_alone(kind, share):
+    """Half of a normal law about 0."""
+    noise = 20 * np.random.default_rng(3).standard_normal((64, 96))
+    raw = np.rint(np.maximum(noise, 0)).astype(np.uint16)
+    found = scan(UniformFrame("a", kind, lambda: raw), sites_of(SENSOR), SENSOR)
+    assert found.cut == pytest.approx(share, abs=0.1)
+
+
 @pytest.mark.parametrize(
     ("levels", "groups"),
     [

@@ -88,6 +88,8 @@ def test_whole_numbers_are_what_is_said_of_them(tmp_path, words, curve):
     assert (done.code, set(made)) == (
         (0, {"a.tif", "b.png"}) if words else (1, {"b.png"})
     )
+    transfers = {row["transfer"] for row in rows(tmp_path / "out")}
+    assert transfers == {"srgb" if curve else "linear"}
     assert words or "a.tif: its whole numbers" in done.err and "--linearize" in done.err
     for path in made.values():
         with rawpy.imread(str(path)) as raw:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 import numpy as np
@@ -239,6 +240,18 @@ def test_no_maker_note_has_no_temperature(tmp_path):
     assert libraw.camera_temperature(write_dng(tmp_path / "a.dng", "A")) is None
     (tmp_path / "b.cr2").write_bytes(b"II*\0" + b"\xff" * 100)
     assert libraw.camera_temperature(tmp_path / "b.cr2") is None
+
+
+def test_a_dng_that_libraw_crops_otherwise_is_refused(tmp_path, monkeypatch):
+    path = write_dng(tmp_path / "a.dng", shape=(64, 96))
+    raw = SimpleNamespace(sizes=SimpleNamespace(width=90, height=60))
+    monkeypatch.setattr(libraw, "opened", lambda _: nullcontext(raw))
+    with pytest.raises(ValueError) as error:
+        libraw.dng(str(path))
+    assert str(error.value) == (
+        f"{path}: its active area is 96x64, LibRaw's 90x60: convert it with Adobe DNG "
+        "Converter or dnglab"
+    )
 
 
 def test_threads_read_at_a_time_and_libraries_say_nothing(tmp_path, capfd):

@@ -127,6 +127,17 @@ def test_the_locus_is_that_of_the_sensor():
         assert list(points[row]) == pytest.approx([red, blue], abs=1e-5)
 
 
+def test_what_a_sensor_does_not_see_is_no_point_of_its_locus():
+    def illuminant(word):
+        if float(word[:-1]) < 3000:
+            raise ValueError("no light")
+        return SimpleNamespace(neutral=(0.5, 1.0, 0.6))
+
+    sensor = SimpleNamespace(illuminant=illuminant)
+    points = plot.draw_locus(Figure().add_subplot(), sensor)
+    assert list(points[0]) == [0.5, 0.6] and np.isnan(points[-1]).all()
+
+
 @pytest.mark.parametrize("unit", ["energy", "photon"])
 @pytest.mark.parametrize("mono", [False, True])
 def test_sensitivities_are_drawn_in_a_picture_of_their_own(unit, mono):

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from cg2raw.synthetic import light
+from cg2raw.synthetic import dust, light
 from cg2raw.synthetic.captures import draw_hidden
 
 
@@ -109,3 +109,17 @@ def test_spread_light_is_kept(sensor, name):
     after = light.through_lens(image, hidden, field)
     assert after.sum((0, 1)) == pytest.approx(image.sum((0, 1)), rel=0.02)
     assert after.max() < 0.995
+
+
+def test_flakes_of_dust_are_as_dense_as_is_stated():
+    """Of 2 radii around the frame, too: 300 x 320 px."""
+    told = []
+
+    class Told(np.random.Generator):
+        def poisson(self, mean):
+            told.append(mean)
+            return 1
+
+    hidden = {"per_megapixel": 50.0, "radius_px": 50.0, "loss": 0.1, "soft_px": 1.0}
+    dust.transmission(Told(np.random.PCG64(1)), (100, 120), {"dust": hidden})
+    assert told == pytest.approx([50.0 * 0.3 * 0.32])

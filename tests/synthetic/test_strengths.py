@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS, _glow, draw_effect
+from cg2raw.synthetic.strengths import KINDS, UNKNOWN_KINDS, _glow, _pdaf, draw_effect
 
 
 def test_a_glow_is_also_in_corners():
@@ -13,6 +13,12 @@ def test_a_glow_is_also_in_corners():
     drawn = [_glow(rng, 1.0, None) for _ in range(200)]
     places = {(one["down"], one["across"]) for one in drawn}
     assert {(0, 0), (0, 1), (1, 0), (1, 1)} <= places
+
+
+def test_periods_of_phase_detection_pixels_are_even():
+    rng = np.random.default_rng(2)
+    periods = {_pdaf(rng, 0.1, None)["period"] for _ in range(200)}
+    assert periods == {8, 10, 12, 14, 16}
 
 
 # How large an effect is by its parameters, in the unit of its strength; of the others

@@ -81,6 +81,8 @@ BAD = [
      "corners: [1, 99] is outside the frame", TOP),
     ([f"{{{CHECKER}: [[1, 1], [30, 60], [1, 60], [30, 1]]}}"],
      "corners: are no quadrangle", TOP),
+    ([f"{{{CHECKER}: [[1, 1], [1, 60], [10, 10], [40, 1]]}}"],  # not convex
+     "corners: are no quadrangle", TOP),
 ]  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from cg2raw.diagnose.diagnosis import (
     Picture,
     ResidualTest,
 )
-from cg2raw.diagnose.report import page, write_report
+from cg2raw.diagnose.report import charts, page, write_report
 from cg2raw.diagnose.report.charts import curve, histograms, svg_of
 from cg2raw.diagnose.report.page import page_of, value_of
 from cg2raw.diagnose.report.values import Shown
@@ -279,6 +279,13 @@ def test_every_array_is_drawn(diagnosis):
             assert drawings(with_leaf(diagnosis, path, other)) != drawn, path
             count += 1
     assert count == 4 * 4 + 2 * 4 + 2 * 2
+
+
+def test_noise_alone_has_a_normal_law(diagnosis, monkeypatch):
+    monkeypatch.setattr(charts, "lines", lambda title, marks, *_: marks)
+    law = histograms(diagnosis.histogram_before, None)[-1]
+    assert np.trapezoid(law.y, law.x) == pytest.approx(1, abs=1e-3)
+    assert np.average(law.x**2, weights=law.y) == pytest.approx(1, abs=2e-3)
 
 
 @pytest.mark.parametrize("verdict", VERDICTS)

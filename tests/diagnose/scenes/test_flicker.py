@@ -137,6 +137,14 @@ def test_the_chart_shows_the_wave():
     assert list(shown.x[:2]) == [0, 1]
 
 
+def test_the_chart_is_of_the_difference_that_shows_most():
+    wave = np.cos(2 * np.pi * np.arange(ROWS) / 30.0)
+    information = np.full((2, ROWS), KNOWN)
+    light = np.stack([0.002 * wave, -0.02 * wave])
+    shown = chart_series(Waves(information * light, information), np.array([0.02, 30]))
+    assert np.abs(shown.measured).max() == pytest.approx(2.0, rel=0.1)  # %
+
+
 @pytest.mark.parametrize(
     ("kinds", "scene", "shown"),
     [

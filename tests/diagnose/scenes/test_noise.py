@@ -15,6 +15,7 @@ from cg2raw.diagnose.scenes.noise import (
     patch_deviation,
 )
 from cg2raw.diagnose.scenes.predict import photon_gain
+from cg2raw.normal import MAD
 from diagnose.planted import sensor_of
 from diagnose.scenes.test_point import at
 
@@ -115,3 +116,18 @@ def test_a_charts_deviation_is_the_patches_own_beyond_the_noise():
     found = patch_deviation([point], [left])
     # A tenth that is far off moves the median of squares by 15 %; its error is 8 %.
     assert found == pytest.approx(deviation, rel=0.25)
+
+
+def test_what_noise_does_to_a_patch_is_no_deviation_of_its_colour():
+    """Of 25 samples of light 0.5 +- 0.05 each, a mean is known to 0.02 of it; all are
+    off by that times the root of 2."""
+    labels, deviation = np.repeat(np.arange(9), 25), 0.02
+    light = np.full(len(labels), 0.5)
+    point = SimpleNamespace(
+        root=np.full(len(labels), 20.0),
+        base=light,
+        noise_variance=np.full(len(labels), 0.05**2),
+        view=SimpleNamespace(patches=labels),
+    )
+    found = patch_deviation([point], [2**0.5 * deviation * light])
+    assert found == pytest.approx(MAD * deviation)

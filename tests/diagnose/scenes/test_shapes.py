@@ -11,7 +11,7 @@ from cg2raw.diagnose.effects.catalogue import effect
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.point import Excess, point_of
 from cg2raw.diagnose.scenes.predict import predict
-from cg2raw.diagnose.scenes.shapes import full_well, photons
+from cg2raw.diagnose.scenes.shapes import _gain, full_well, photons
 from cg2raw.diagnose.scenes.view import views_of
 from diagnose.planted import (
     FULL_WELL,
@@ -126,3 +126,11 @@ def test_photons_gain_what_is_expected_of_them():
         expected(1.0), abs=3 * np.sqrt(2 * expected(1.0))
     )
     assert expected(0.5) == pytest.approx(expected(1.0) / 4)
+
+
+def test_samples_at_white_tell_a_well_by_their_chance_to_be_there():
+    """As bright as white, and a well at white: half of them would be there, and of
+    those half again."""
+    x, white = np.ones(8), np.full(8, 0.01)
+    samples = x, x, white, white, white > 0, x, np.full(8, np.inf)
+    assert _gain(samples, 1.0) == pytest.approx(8 * np.log(0.5))
