@@ -12,7 +12,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from cg2raw.dataset import journal
+from cg2raw.dataset import job, journal
 from cg2raw.dataset.run import make_dataset
 from cg2raw.dataset.target import is_of
 from dataset.data_sets import (
@@ -64,6 +64,18 @@ def edited_text(out, old, new):
     path = journal_of(out)
     assert old in path.read_bytes()
     path.write_bytes(path.read_bytes().replace(old, new, 1))
+
+
+def test_files_of_another_image_go_before_those_of_the_new(image, out, monkeypatch):
+    """A kill may come between them."""
+
+    def killed(*_):
+        raise OSError("no space left")
+
+    monkeypatch.setattr(job, "make_variants", killed)
+    write_image(image, scene(seed=2))
+    assert "no space left" in fails("dataset", image, out, *OPTIONS)
+    assert not list(out.rglob("*.dng"))
 
 
 def test_an_edited_line_is_no_line(image, out):

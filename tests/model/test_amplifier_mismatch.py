@@ -115,6 +115,19 @@ def test_errors_are_those_of_draws(is_free, ramp):
     assert 0.75 < np.std(deviates) < 1.25
 
 
+def test_parts_that_are_not_noise_tell_a_step_by_student_s_law():
+    """Whose variance is n / (n - 2) times as large: of lines that know nothing else."""
+    lines = 0.2 * np.random.default_rng(1).standard_normal(60)
+    known = Lines(lines, 0.0, np.inf, 1e-12)
+    step = known.step()
+    expected = 0.0
+    for of_lines, of_step in known.parts:
+        rest = of_lines - step.value * of_step
+        variance, count = rest @ rest / len(rest), len(rest)
+        expected += of_step @ of_step / (variance * count / (count - 2))
+    assert step.error == pytest.approx(expected**-0.5)
+
+
 def test_frames_without_noise_show_no_step():
     frame = np.full((96, 120), 300, np.uint16)
     groups = [

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import cg2raw
+from cg2raw.model.dark_levels import BLACK
 from cg2raw.model.fit import fit
 from cg2raw.model.flat_levels import (
     FREE,
@@ -172,6 +173,21 @@ def test_a_colour_matrix_mixes_what_flats_are_not_grey_by():
         ratios[sites] = MATRIX_SHARE * (lights[others] / lights[sites] - 1)
         expected += np.outer(ratios, ratios)
     assert covariances[1] - covariances[0] == pytest.approx(expected)
+
+
+def test_a_black_level_that_is_doubted_may_be_off_by_as_much_as_white():
+    """Of each site, in all its flats alike."""
+    found = fit(planted(3, side=2, shape=(64, 80)).statistics)
+    is_flat = found.likelihood.planes[0].is_flat
+    predicted = np.tile(np.where(is_flat, 1.0, np.nan), (4, 1))
+    known, doubted = (
+        flat_levels(found, predicted, "RGGB", white=100.0, doubted=one).covariance
+        for one in ([], [BLACK])
+    )
+    light = np.concatenate([p.light[is_flat] for p in found.likelihood.planes])
+    one_site = np.kron(np.eye(4), np.ones((2, 2)))
+    expected = one_site * 100.0**2 / np.outer(light, light)
+    assert doubted - known == pytest.approx(expected)
 
 
 def test_cameras_share_colours_as_bundled_sensors_do():

@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """Charts of darks show what was planted, with it and without."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from cg2raw.diagnose.darks_and_flats import TEST
 from cg2raw.diagnose.diagnosis import Estimate
-from cg2raw.diagnose.verdict.charts import _drift, _levels, _tails
+from cg2raw.diagnose.verdict.charts import _drift, _levels, _parts, _tails
 from cg2raw.model.fit import fit
 from cg2raw.normal import CI95
 from diagnose.planted import sensor_of
@@ -85,3 +86,14 @@ def test_levels_of_one_exposure_time_are_bars_above_the_profiles_black():
     assert chart.form == "bars" and len(chart.names) == 1
     assert one.measured == pytest.approx(7.0, abs=0.1)
     assert one.before == 0 and one.after == pytest.approx(7.0, abs=0.1)
+
+
+def test_noise_of_frames_that_nothing_repeats_is_in_mean_frames():
+    groups = [
+        (replace(info, frames=info.frames[:1]), frames[:1])
+        for info, frames in darks(1, TEST, NONE)
+    ]
+    test = fit(statistics_of(groups))
+    found = SimpleNamespace(profile=np.where(test.parameters.are(["read_noise"]), 1, 0))
+    chart = _parts("read_noise", found, test)
+    assert chart.title == "Mean darks: single pixels"

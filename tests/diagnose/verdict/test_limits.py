@@ -7,7 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cg2raw.diagnose.verdict.limits import _variance_seen
+from cg2raw.diagnose.verdict import limits
+from cg2raw.diagnose.verdict.limits import _seen_from, _variance_seen
+from cg2raw.model.values import Value
+from cg2raw.normal import ABOVE95
 
 LEAST = 8.0  # nats
 
@@ -41,3 +44,23 @@ def test_a_variance_of_unknown_error_is_never_seen():
         selection=SimpleNamespace(validation=validation), least=LEAST
     )
     assert np.isnan(_variance_seen(found, "dsnu"))
+
+
+def test_a_limit_of_dark_current_is_errors_away_in_shares_of_white(monkeypatch):
+    """Of an error of 3 DN/s, whatever its interval, which is Student's."""
+    value = Value("dark_current", "rate", 0.0, -1.0, 1.0)
+    monkeypatch.setattr(limits, "effect_values", lambda *_: [value])
+    monkeypatch.setattr(limits, "limits_of_levels", lambda _: [])
+    monkeypatch.setattr(limits, "of_amplifiers", lambda *_: [])
+    found = SimpleNamespace(
+        captures=SimpleNamespace(sensor=SimpleNamespace(signal_range=1000.0)),
+        selection=SimpleNamespace(
+            validation=SimpleNamespace(of=lambda name: (0.0, 3.0)), unsure={}
+        ),
+        statistics=SimpleNamespace(of_splits=lambda _: None),
+        amplifiers=SimpleNamespace(errors={}),
+        profile=None,
+        least=LEAST,
+    )
+    [(_, strength)] = _seen_from(found)
+    assert strength == pytest.approx((4 + ABOVE95) * 3.0 / 1000)

@@ -44,9 +44,9 @@ def pixels(sigma, seed=8):
     return 1 + sigma * np.random.default_rng(seed).standard_normal(SHAPE)
 
 
-def frames(transmission, dark=NONE):
-    """Return a maker of darks and flats of a split. transmission, dark : (H, W), what
-    is left of light, and DN that all frames have besides."""
+def frames(transmission, dark=NONE, rate=NONE):
+    """Return a maker of darks and flats of a split. transmission, dark, rate : (H, W),
+    what is left of light, DN that all frames have besides, and DN/s."""
 
     def make(number, split):
         rng = np.random.default_rng((number, 7))
@@ -59,8 +59,9 @@ def frames(transmission, dark=NONE):
                 made.append(np.rint(frame).astype(np.uint16))
             names = tuple(f"{split} {level} {n}" for n in range(4))
             groups.append((GroupInfo("flat", names, 0.1, None, split), made))
-        for _, made in groups:
-            made[:] = [np.rint(one + dark).astype(np.uint16) for one in made]
+        for info, made in groups:
+            more = dark + rate * info.exposure_time
+            made[:] = [np.rint(one + more).astype(np.uint16) for one in made]
         return groups
 
     return make
@@ -103,9 +104,18 @@ def test_offsets_in_darks_lack_no_light():
     assert named(np.ones(SHAPE), dark=20 * (lattice(gain=1.0) - 1)) == {}
 
 
-def test_values_of_a_lattice():
-    """The gain within 3.5 standard errors; the place exactly."""
-    gain, *place = named(lattice() * pixels(0.01))["pdaf_pixels"].figures
+def test_spots_add_their_squares_to_the_variance_of_the_sensitivity():
+    light = spots(0.2)
+    found = shown(frames(light)).spots
+    assert found == pytest.approx(np.mean((1 - light) ** 2), rel=0.1)
+
+
+@pytest.mark.parametrize("rate", [0.0, 20.0])
+def test_values_of_a_lattice(rate):
+    """The gain within 3.5 standard errors, whatever dark current its pixels have; the
+    place exactly."""
+    own = rate * (lattice(gain=1.0) - 1)
+    gain, *place = named(lattice() * pixels(0.01), rate=own)["pdaf_pixels"].figures
     assert [one.value for one in place] == [14, 9, 4]
     assert abs(gain.value + 0.06) < 3.5 * gain.standard_error < 0.01
 

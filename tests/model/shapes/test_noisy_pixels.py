@@ -2,15 +2,18 @@
 # Copyright Contributors to the cg2raw Project.
 """Telegraph noise and heavy tails: planted ones, each by its name alone."""
 
+from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.special import erf, expit
 
-from cg2raw.model.shapes.heavy_tailed_noise import whole_of
+from cg2raw.model.shapes.heavy_tailed_noise import EDGES, Tails, core_of, whole_of
 from cg2raw.model.shapes.random_telegraph_noise import NOISY, clumped
 from cg2raw.statistics.codes import ROUNDING
+from cg2raw.statistics.constant import BINS_PER_SIGMA, PARTS
 from model.shapes.planted import (
     NOISE,
     SHAPE,
@@ -123,6 +126,36 @@ def test_numbers():
     share, ratio = (figure.value for figure in tailed)
     assert share * (ratio - 1) == pytest.approx(0.02 * 8, rel=0.2)
     assert ratio == pytest.approx(9.0, rel=0.4)
+
+
+def test_the_error_of_a_scale_is_that_of_its_information():
+    """Fisher's, of shares of a normal law; and no order of numbers is another."""
+    tails = Tails(np.zeros(len(EDGES)), 100.0)
+    shares, step = tails.shares(1.0, 0.0, 1.0), 1e-3
+    moved = tails.shares(np.exp(step), 0.0, 1.0) - tails.shares(np.exp(-step), 0.0, 1.0)
+    information = 1e5 * np.sum((moved / (2 * step)) ** 2 / shares)
+    found = replace(tails, counts=1e5 * shares).covariance(np.zeros(1))
+    assert found == pytest.approx(1 / information, rel=1e-2)
+    numbers = np.array([0.0, -4.0, 2.0])
+    counts = 1e5 * tails.shares(1.0, expit(-4.0), np.exp(2.0))
+    found = replace(tails, counts=counts).covariance(numbers)
+    assert found == pytest.approx(found.T, rel=1e-6)
+
+
+def test_the_variance_of_most_draws_is_that_of_all_without_tails():
+    """Of a million residuals by a normal law exactly, of 100 DN^2."""
+    shares = np.diff(erf(np.arange(513) / BINS_PER_SIGMA / 2**0.5))
+    plane = SimpleNamespace(
+        power=np.array([100.0]),
+        residuals=1e6 * shares[None],
+        freedom=np.full(len(PARTS), 1e6),
+    )
+    statistics = SimpleNamespace(
+        planes=[plane], unmasked=1e6, shortest_darks=lambda split: np.array([0])
+    )
+    value, error = core_of(SimpleNamespace(statistics=statistics), "first")
+    assert value == pytest.approx(100 - ROUNDING, rel=1e-4)
+    assert 100 * (2 / 1e6) ** 0.5 < error < 200 * (2 / 1e6) ** 0.5
 
 
 def test_the_variance_of_all_draws():
