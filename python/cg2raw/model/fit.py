@@ -408,8 +408,6 @@ def _start_noise(
     hidden = plane.scatter[:, PIXEL] - noise
     rest = plane.scatter - hidden[:, None] - (0.0 if free[read] else theta[read])
     theta[gain] = 0.0
-    if free[read]:
-        theta[read] = 1.0
     signal = plane.signal(theta)
     again = plane.measured
     free[gain] = np.ptp(signal[again]) > 0 or not free[read]

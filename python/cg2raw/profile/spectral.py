@@ -88,8 +88,7 @@ def spectral_field(sensitivities: Sensitivities, mono: bool = False) -> dict[str
     table = sensitivities.measured()
     wavelengths, rgb = table.wavelengths, table.rgb
     if np.max(np.diff(wavelengths)) > WAVELENGTHS[1] - WAVELENGTHS[0]:
-        inside = (wavelengths[0] <= WAVELENGTHS) & (wavelengths[-1] >= WAVELENGTHS)
-        wavelengths, rgb = WAVELENGTHS[inside], table.at(WAVELENGTHS[inside])
+        wavelengths, rgb = WAVELENGTHS, table.at(WAVELENGTHS)  # 0 outside the table
     below = WAVELENGTHS[wavelengths[0] > WAVELENGTHS]
     above = WAVELENGTHS[wavelengths[-1] < WAVELENGTHS]
     nothing = [np.zeros((len(outside), 3)) for outside in (below, above)]
