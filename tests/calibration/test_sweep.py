@@ -4,6 +4,7 @@
 
 import csv
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -57,6 +58,20 @@ def test_beside_such_a_flat_a_full_well_is_found():
     found = swept(well=0.9)
     assert found.transfer.clipped_by == "full well"
     assert found.transfer.saturation.value == pytest.approx(0.9 * RANGE, rel=1e-3)
+
+
+def test_flats_beyond_a_full_well_mask_no_pixels(monkeypatch):
+    """They are not looked at again: that of 0.8 s is the last below 0.9 of white."""
+    module, looks = sys.modules[calibrate.__module__], []
+    look = module.seen_all
+
+    def seen_all(sensor, sites, groups, *more):
+        looks.append(groups[-1].exposure_time)
+        return look(sensor, sites, groups, *more)
+
+    monkeypatch.setattr(module, "seen_all", seen_all)
+    swept(well=0.9)
+    assert looks[0] > 0.9 and looks[-1] == 0.8
 
 
 def test_a_shutter_that_opens_early_bends_no_line():

@@ -3,12 +3,13 @@
 """Planted values of every effect of light are recovered, and only their names."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from cg2raw.diagnose.captures.capture import CaptureSet
-from cg2raw.diagnose.scenes.decide import decide
+from cg2raw.diagnose.scenes.decide import Scenes, decide
 from cg2raw.diagnose.scenes.model import Model
 from cg2raw.diagnose.scenes.predict import predict
 from cg2raw.diagnose.verdict.images import diagnosis_of_images
@@ -97,6 +98,25 @@ def test_a_shape_s_detail_is_found_if_it_is_there(detail):
     assert ("r2_cos2" in found) == bool(detail)
     if detail:
         assert found["r2_cos2"].value == pytest.approx(detail, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("value", "far", "moved"),
+    [(0, (0, 0), False), (1, (0, 0), True), (0, (1, 0), True), (0, (0, 1), True)],
+)
+def test_values_and_renders_settle_both(value, far, moved):
+    """A value is known to 1; a render moves by pixels, and in brightness."""
+    scenes = SimpleNamespace(
+        both=SimpleNamespace(covariance=lambda index: np.eye(1)),
+        space=SimpleNamespace(index=lambda names: [0], slices={}),
+        **{"fitted": [], "effects": [], "model": Model(SENSOR), "theta": np.zeros(1)},
+        _likeliest=lambda names: np.array([value]),
+        _counted=lambda: np.zeros(1),
+        sets={"fit/a": (None, ())},
+        placements={"a": None},
+        _place=lambda *_: far,
+    )
+    assert Scenes._move(scenes) == moved
 
 
 def test_distortion_is_no_registration():

@@ -2,12 +2,14 @@
 # Copyright Contributors to the cg2raw Project.
 """Dust and phase-detection pixels in flats: planted ones, and what looks like them."""
 
+import sys
+
 import numpy as np
 import pytest
 from scipy.stats import poisson
 
 from cg2raw.model.shapes.base import nats_beyond
-from cg2raw.model.shapes.dust import Spot, _figures
+from cg2raw.model.shapes.dust import Spot, _figures, dust
 from cg2raw.model.shapes.light_patterns import Excess, _weights
 from cg2raw.model.shapes.pdaf_pixels import _mean
 from cg2raw.statistics.constant import ConstantStatistics, GroupInfo
@@ -129,6 +131,12 @@ def test_values_of_dust(power):
     for figure, truth in ((depth, 0.08), (radius, 5.0)):
         assert abs(figure.value - truth) < 3.5 * figure.standard_error, figure
         assert figure.standard_error < truth / 5
+
+
+def test_spots_of_the_law_of_dust_lose_nothing_by_it(monkeypatch):
+    found = shown(frames(spots(0.05))).found["dust"]
+    monkeypatch.setattr(sys.modules[dust.__module__], "_fitted", lambda *_: None)
+    assert shown(frames(spots(0.05))).found["dust"].nats == found.nats > LEAST
 
 
 def test_patterns_are_set_apart_from_all_else(tmp_path):
