@@ -39,7 +39,7 @@ def frame(light, full, seed, averaged=1):
     return np.clip(np.rint(BLACK + mean), 0, WHITE).astype(np.uint16)
 
 
-def found(full, lights=LIGHTS, has_noise=True, averaged=1, given=GAIN):
+def found(full, lights=LIGHTS, has_noise=True, averaged=1, given=GAIN, excluded=None):
     groups = []
     for light in (0.0, *lights):
         for number, split in enumerate(SPLITS):
@@ -50,7 +50,7 @@ def found(full, lights=LIGHTS, has_noise=True, averaged=1, given=GAIN):
                 partial(frame, light, full, 10 * number + n, own) for n in range(2)
             ]
             groups.append((info, readers))
-    statistics = frame_statistics(groups, 1, WHITE)
+    statistics = frame_statistics(groups, 1, WHITE, excluded=excluded)
     return full_well(statistics, SPLITS, profile(given), has_noise, LEAST), statistics
 
 
@@ -66,9 +66,12 @@ def test_flats_above_it_are_full(full, has_noise):
     assert well.nats > 1000
 
 
-def test_flats_of_one_light_are_full_by_a_profile_alone():
-    assert found(900.0, (2000.0,), has_noise=False)[0] is None
-    well, _ = found(900.0, (2000.0,))
+@pytest.mark.parametrize("share", [0.0, 0.5], ids=["whole", "half masked"])
+def test_flats_of_one_light_are_full_by_a_profile_alone(share):
+    excluded = np.arange(SHAPE[0])[:, None] < share * SHAPE[0] * np.ones(SHAPE)
+    given = {"lights": (2000.0,), "excluded": excluded}
+    assert found(900.0, has_noise=False, **given)[0] is None
+    well, _ = found(900.0, **given)
     assert well.level == pytest.approx(900.0, abs=1.0)
 
 

@@ -73,6 +73,7 @@ def full_well(
     repeated = flats[statistics.pairs[flats] > 0]
     used = (repeated if len(repeated) else flats).tolist()
     measured = {g: _measured(statistics, g) for g in used}
+    noises = {g: _noise_of(statistics, g) for g in (*used, *darks)}
     for site, plane in enumerate(statistics.planes):
         black, read, gain = (
             float(profile[parameters.of(name, site)])
@@ -80,8 +81,9 @@ def full_well(
         )
         if len(darks):
             black = float(plane.level[darks].mean())
-            read = np.mean([_measured(statistics, g)[1][site].mean() for g in darks])
-        blocks = _blocks_of(plane, site, black, measured)
+            read = np.mean([noises[g][site] for g in darks])
+        shown = {g: one for g, one in measured.items() if noises[g][site] > COARSE}
+        blocks = _blocks_of(plane, site, black, shown)
         law = gain * blocks.level if has_noise else 0 * blocks.level
         each = _nats_of_less(blocks, read, law)
         is_full = each > least + tried
@@ -106,16 +108,23 @@ def full_well(
     )
 
 
+def _noise_of(statistics: ConstantStatistics, number: int) -> Array:
+    """Return (planes,) DN^2, variances of a frame of a group; of one without pairs,
+    those of its pixels, patterns included."""
+    if not statistics.pairs[number]:
+        return statistics.variance(number)
+    return np.array([plane.power[number] for plane in statistics.planes])
+
+
 def _measured(statistics: ConstantStatistics, number: int) -> tuple[Array, ...]:
     """Return (planes, n) levels, DN, variances of noise, DN^2, and their relative
-    errors, of the blocks of a group; of one without pairs as a whole, in which pixels
-    differ by patterns as well."""
+    errors, of the blocks of a group; of one without pairs as a whole."""
     if statistics.pairs[number]:
         return statistics.block_levels(number), *statistics.block_noise(number)
     levels = np.array([[plane.level[number]] for plane in statistics.planes])
     freedom = np.array([[plane.freedom[PIXEL]] for plane in statistics.planes])
-    variances = statistics.variance(number)[:, None]
-    return levels, variances, np.sqrt(2 / np.maximum(freedom, 1))
+    errors = np.sqrt(2 / np.maximum(freedom, 1))
+    return levels, _noise_of(statistics, number)[:, None], errors
 
 
 def _blocks_of(
@@ -131,7 +140,7 @@ def _blocks_of(
             0 * noise[site] + g,
         )
         for g, (level, noise, error) in measured.items()
-        if plane.high[g] + plane.low[g] <= MOST_CLIPPED and noise[site].mean() > COARSE
+        if plane.high[g] + plane.low[g] <= MOST_CLIPPED
     ]
     level, noise, error, group = np.concatenate([np.zeros((4, 0)), *each], axis=1)
     known = np.flatnonzero(noise > 0)
