@@ -150,7 +150,7 @@ def test_dark_current_grows_with_the_time_of_scenes(seed, others):
 
 
 def test_a_ramp_that_no_darks_tell_may_be_glow():
-    """And a dark current beside it the mean of that."""
+    """And the dark current that is named with it, the mean of that."""
     found = diagnose(few_scenes(8, amplifier_glow=60.0), details=False)
     assert {one.name: one.ambiguous_with for one in found.effects} == {
         "bias_structure": ["amplifier_glow"],

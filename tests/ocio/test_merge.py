@@ -309,10 +309,12 @@ def test_the_studios_file_is_not_overwritten(studio):
     assert studio.read_text() == text
 
 
-def test_luts_beside_the_studios_config_are_thought_of(tmp_path, studio, capfd):
+def test_a_config_in_another_folder_than_the_studios_luts_warns(
+    tmp_path, studio, capfd
+):
     (tmp_path / "else").mkdir()
-    for folder, told in (("else", True), (".", False)):
+    for folder, warns in (("else", True), (".", False)):
         output = tmp_path / folder / "merged.ocio"
         done = run("ocio", *ASKED, "--merge", studio, "-o", output)
-        assert ("looks for files in luts" in done.err) == told and done.code == 0
+        assert ("looks for files in luts" in done.err) == warns and done.code == 0
     assert "not merged" not in capfd.readouterr().err  # of what is the studio's

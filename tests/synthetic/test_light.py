@@ -113,13 +113,13 @@ def test_spread_light_is_kept(sensor, name):
 
 def test_flakes_of_dust_are_as_dense_as_is_stated():
     """Of 2 radii around the frame, too: 300 x 320 px."""
-    told = []
+    means = []
 
-    class Told(np.random.Generator):
+    class Recorded(np.random.Generator):
         def poisson(self, mean):
-            told.append(mean)
+            means.append(mean)
             return 1
 
     hidden = {"per_megapixel": 50.0, "radius_px": 50.0, "loss": 0.1, "soft_px": 1.0}
-    dust.transmission(Told(np.random.PCG64(1)), (100, 120), {"dust": hidden})
-    assert told == pytest.approx([50.0 * 0.3 * 0.32])
+    dust.transmission(Recorded(np.random.PCG64(1)), (100, 120), {"dust": hidden})
+    assert means == pytest.approx([50.0 * 0.3 * 0.32])

@@ -48,7 +48,7 @@ def pixels(sigma, seed=8):
 
 def frames(transmission, dark=NONE, rate=NONE):
     """Return a maker of darks and flats of a split. transmission, dark, rate : (H, W),
-    what is left of light, DN that all frames have besides, and DN/s."""
+    what is left of light, offsets in DN of all frames, and dark current in DN/s."""
 
     def make(number, split):
         rng = np.random.default_rng((number, 7))

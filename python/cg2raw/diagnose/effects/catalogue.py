@@ -7,7 +7,6 @@ from collections.abc import Collection, Iterable, Mapping
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
-from types import MappingProxyType
 
 from cg2raw import _core
 from cg2raw.cfa import is_mono, sites_of
@@ -63,13 +62,13 @@ def of_means() -> frozenset[str]:
     return frozenset(name for name in names() if effect(name).predicted)
 
 
-def takers_of(
+def misfit_sources(
     name: str,
     nats: Mapping[str, float],
-    alike: Mapping[str, Collection[str]] = MappingProxyType({}),
+    alike: Mapping[str, Collection[str]],
     least: float = 0.0,
 ) -> list[str]:
-    """Return the effects of which one may be what their models do not describe.
+    """Return the effects whose misfit @name may be: what their models do not describe.
 
     nats : that each effect gains. alike : others that may be in its place. least : the
     share of a gain that any may leave."""

@@ -8,7 +8,7 @@ equations, and chooses among all effects anew.
 """
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from operator import add
@@ -19,7 +19,7 @@ from scipy.stats import ttest_1samp
 from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.diagnosis import ResidualTest
 from cg2raw.diagnose.effects.base import Effect, Predicted
-from cg2raw.diagnose.effects.catalogue import candidates, effect, takers_of
+from cg2raw.diagnose.effects.catalogue import candidates, effect, misfit_sources
 from cg2raw.diagnose.effects.registry import listed_values
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.scenes import flicker as waves
@@ -332,7 +332,7 @@ class Scenes:
                 and not one.is_possible(self._with_profile(one, theta))
             }
             # A filter would take its part of the noise, whatever it stands for.
-            if FILTER in chosen.nats and takers_of(FILTER, chosen.nats):
+            if FILTER in chosen.nats and misfit_sources(FILTER, chosen.nats, {}):
                 impossible.add(FILTER)
             if not impossible:
                 return chosen
@@ -535,15 +535,19 @@ class Scenes:
             return
         self._move()
 
+    def _add_alternatives(self, name: str, others: Iterable[str]) -> None:
+        """Say that a chosen effect may be one of others instead."""
+        every = [*self.chosen.alike.get(name, ()), *((other,) for other in others)]
+        alike = {**self.chosen.alike, name: every}
+        self.chosen = replace(self.chosen, alike=alike)
+
     def _doubt_offsets(self) -> None:
         """Say what else offsets may be, which no darks tell: a ramp, and a dark current
         with it, glow; a black level, drift, if scenes agree on it no better than by
         chance (Student, Biometrika 6(1), 1908)."""
         if RAMP in self.chosen.names and GLOW in self.names:
-            every = dict(self.chosen.alike)
             for name in {RAMP, CURRENT} & {*self.chosen.names}:
-                every[name] = [*every.get(name, ()), (GLOW,)]
-            self.chosen = replace(self.chosen, alike=every)
+                self._add_alternatives(name, [GLOW])
         if BLACK not in self.chosen.names:
             return
         own, counted = self.space.index([BLACK]), self._counted()
@@ -557,17 +561,13 @@ class Scenes:
         at = np.ix_(places := np.searchsorted(index, own), places)
         known = np.linalg.inv(self.both.covariance(index)[at])
         mean = float((known @ self.theta[own]).sum() / known.sum())
-        every = dict(self.chosen.alike)
         # Where offsets differ all over the frame, its first columns may as well.
-        others = {*self.chosen.names, *sum(every.get(BLACK, ()), ())}
+        others = {*self.chosen.names, *sum(self.chosen.alike.get(BLACK, ()), ())}
         may_be = {RAMP} if others & {RAMP, MISMATCH} else set()
         if ttest_1samp(mean + np.array(each), 0.0).pvalue > self.alpha:
             may_be.add(DRIFT)
-        every[BLACK] = [
-            *every.get(BLACK, ()),
-            *((name,) for name in sorted(may_be & self.names - {*self.chosen.names})),
-        ]
-        self.chosen = replace(self.chosen, alike=every)
+        may_be &= self.names - {*self.chosen.names}
+        self._add_alternatives(BLACK, sorted(may_be))
 
     def _doubt_well(self) -> None:
         """Say whether what looks like a full well may be pixels at white that a filter
@@ -577,8 +577,7 @@ class Scenes:
         bare = self.model.without(WELL)
         train, validation = (self.points_of(split, bare) for split in (FIT, SELECT))
         if full_well(train, validation, are_blended=True)[2] < self.least:
-            alike = {**self.chosen.alike, WELL: [(FILTER,)]}
-            self.chosen = replace(self.chosen, alike=alike)
+            self._add_alternatives(WELL, [FILTER])
 
     def _find_flicker(self) -> None:
         """Judge whether light comes in waves, and of which period."""

@@ -20,7 +20,7 @@ from cg2raw.diagnose.diagnosis import (
     Gap,
 )
 from cg2raw.diagnose.effects.base import Effect
-from cg2raw.diagnose.effects.catalogue import effect, heading, takers_of, title
+from cg2raw.diagnose.effects.catalogue import effect, heading, misfit_sources, title
 from cg2raw.diagnose.scenes.curves import curves_of
 from cg2raw.diagnose.scenes.decide import PHOTONS, WELL, Scenes
 from cg2raw.diagnose.scenes.flicker import chart_series, row_waves
@@ -146,7 +146,7 @@ def _findings(
     for name in sorted(nats, key=lambda one: -nats[one]):
         alike = every[name]
         vague = SHAPE_ERROR if len(alike) > 1 else 0.0
-        if larger := takers_of(name, nats, every, vague):
+        if larger := misfit_sources(name, nats, every, vague):
             share = nats[name] / nats[larger[0]]
             notes.append(
                 f"{heading(name)} takes up what the model of {title(larger[0])} does "

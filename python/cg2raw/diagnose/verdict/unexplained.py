@@ -127,20 +127,23 @@ def unnamed_tests(
     """Yield a test of each component that no effect has. unnamed : nats that each gains
     on validation frames, of so many samples. spots : those of flats."""
     for name, nats in unnamed.items():
-        gain = max(nats, 0.0)
-        chance, each = exp(-min(gain, 700.0)), gain / samples
         where = COMPONENTS[name]
         if name == SPOTS and spots is not None:
             row, column, _ = max(spots.places, key=lambda place: float(place[2]))
             where += f"; the largest of {len(spots.places)} is at row {row:.0f}, "
             where += f"column {column:.0f}"
-        yield ResidualTest(name, nats, chance, each, where)
+        yield _of_nats(name, nats, nats, samples, where)
 
 
 def full_well_test(well: FullWell, samples: int) -> ResidualTest:
     """Return the test of wells that are full and are not named."""
     where = f"light brings no more noise from {well.level:.0f} DN above black on"
-    each = well.most / samples
-    return ResidualTest(
-        "full wells", well.level, exp(-min(well.most, 700.0)), each, where
-    )
+    return _of_nats("full wells", well.level, well.most, samples, where)
+
+
+def _of_nats(
+    name: str, statistic: float, nats: float, samples: int, where: str
+) -> ResidualTest:
+    gain = max(nats, 0.0)
+    chance = exp(-min(gain, 700.0))  # about the least of a float
+    return ResidualTest(name, statistic, chance, gain / samples, where)
