@@ -125,6 +125,20 @@ def test_codes_that_are_scaled_or_coarse(tmp_path, sigma, scale, complaint, rema
     assert len(found.remarks) == bool(remark) and remark in "".join(found.remarks)
 
 
+def test_a_small_frame_that_is_clipped_is_no_copy(tmp_path):
+    """White is then the one code that many pixels have."""
+    sensor = files.other_sensor(bits=14, white_level=16383)
+    (tmp_path / "s.json").write_text(sensor.to_json())
+    values = np.random.default_rng(7).uniform(100, 16000, files.SHAPE)
+    values[:2] = sensor.white_level
+    np.save(tmp_path / "a.npy", np.rint(values).astype(np.uint16))
+    line = "{file: a.npy, kind: flat, scene: unknown, illuminant: A}"
+    path = files.manifest(tmp_path, [line], "sensor: s.json")
+    _, sensor, frames, _ = read_frames(path)
+    [found] = check(frames, sensor).integrities
+    assert found.clipped == pytest.approx(2 / 48) and found.complaints == ()
+
+
 @pytest.mark.parametrize(
     ("sigma", "remarks"), [(3.0, []), (0.6, []), (0.3, ["its read noise is below 1.6"])]
 )

@@ -72,8 +72,9 @@ def integrity(
     mean = float(counts @ np.arange(len(counts))) / total
     variance = float(counts @ (np.arange(len(counts)) - mean) ** 2) / total
     known = step_of(sensor)
-    in_steps = np.add.reduceat(counts, np.arange(0, len(counts), known))
-    step, number = codes.step_of(in_steps[: sensor.white_level // known])
+    below = counts[: sensor.white_level]  # codes above are cut off, not empty
+    in_steps = np.add.reduceat(below, np.arange(0, len(below), known))
+    step, number = codes.step_of(in_steps)
     if number < codes.LEAST_CODES or total < codes.FEW:
         step = 1
     found = Integrity(
@@ -88,7 +89,7 @@ def integrity(
         step=step * known,
         missing=codes.gaps(in_steps[int(in_steps.argmax()) % step :: step]),
         shift=shift,
-        spacing=codes.spacing(counts[: sensor.white_level]),
+        spacing=codes.spacing(below),
     )
     misfit = codes.misfit(counts, sensor.bits, sensor.white_level)
     words = [
