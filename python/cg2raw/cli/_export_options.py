@@ -17,15 +17,17 @@ def add_options(group: argparse._ArgumentGroup, *names: str) -> None:
     them."""
     for name in names:
         _, kind, allowed, description = ROWS[name]
-        flag = "--" + name.replace("_", "-")
+        flags = ["--" + name.replace("_", "-")]
+        if name == "sensor":
+            flags = ["-s", *flags]  # as in all other commands
         text = plain_text(description)
         if kind != "flag" and not allowed.startswith("a whole number"):
             text = f"{allowed}: {text}"
         text = text.replace("%", "%%")
         if kind == "flag":
-            group.add_argument(flag, action=argparse.BooleanOptionalAction, help=text)
+            group.add_argument(*flags, action=argparse.BooleanOptionalAction, help=text)
         else:
-            group.add_argument(flag, metavar=METAVARS[kind], help=text)
+            group.add_argument(*flags, metavar=METAVARS[kind], help=text)
 
 
 def add_bracket(group: argparse._ArgumentGroup) -> None:
