@@ -23,6 +23,7 @@ from cg2raw.statistics.temperature import DOUBLING
 # Pixels along the edges of a frame that are left out: what lies beyond an image
 # is not known; beyond a uniform frame it is, but for filters of the file.
 BORDER, UNIFORM_BORDER = 8, 4
+PIECE = 16384  # pixels of a render that are in double precision at a time
 
 
 @dataclass(frozen=True)
@@ -154,7 +155,12 @@ def source_of(
             f"{capture.name}: the scene has values that are not finite; must be "
             "numbers: render it without, or mask them and write 0"
         )
-    flat = scene.reshape(-1, 3) @ matrix.T.astype(scene.dtype)
+    # In double precision, in pieces: in single, the last bits are the processor's.
+    pixels = scene.reshape(-1, 3)
+    flat = np.empty_like(pixels)
+    for first in range(0, len(pixels), PIECE):
+        piece = slice(first, first + PIECE)
+        flat[piece] = pixels[piece] @ matrix.T
     camera = np.maximum(flat, 0, out=flat).astype(np.float32, copy=False)
     camera = camera.reshape(scene.shape)
     whole = camera if camera.ndim == 3 else np.broadcast_to(camera, (64, 64, 3))

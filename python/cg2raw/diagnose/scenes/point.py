@@ -149,8 +149,8 @@ def normal_of(
     for k, column in enumerate(by_nuisances(point, nuisances)):
         rows[space.size + k] = (column * root).ravel()
     used = root.ravel() > 0
-    residual = point.z.ravel() + theta.astype(np.float32) @ rows[: space.size]
-    rows[-1] = residual
+    there = np.flatnonzero(theta)
+    rows[-1] = point.z.ravel() + theta[there] @ rows[there]
     rows = rows[:, used]
     return Normal(int(used.sum()), *products_of(rows, point))
 
