@@ -90,9 +90,9 @@ LIGHT = Light({}, Measured(0.1, 0.01, "1"), 0.0, np.ones((2, 2)))
 FULL = transfer(saturation=Measured(999.0, 1.0, "DN"))
 
 
-def line(bend):
-    """Return linearity with a loss that stands out."""
-    loss = Measured(0.1, 0.001, "1")
+def line(bend, error=0.001):
+    """Return linearity with a loss of 0.1, of such an error."""
+    loss = Measured(0.1, error, "1")
     return Linearity(loss, loss, None, bend, np.ones(3), np.zeros(3))
 
 
@@ -113,6 +113,19 @@ def line(bend):
             {"frames": (0, 2), "fit": Fitted([GAIN]), "transfer": FULL, "light": LIGHT}
             | {"linearity": line(0.006)},
             ["PRNU: without darks"],
+        ),
+        (
+            {"fit": Fitted([GAIN]), "transfer": FULL, "light": LIGHT}
+            | {"linearity": line(0.3, error=0.1)},
+            [
+                "linearity: levels are off proportional to exposure time by 30.00% in the "
+                "mean, but by no curve"
+            ],
+        ),
+        (
+            {"fit": Fitted([GAIN]), "transfer": FULL, "light": LIGHT}
+            | {"linearity": line(0.004, error=0.1)},
+            [],
         ),
     ],
 )

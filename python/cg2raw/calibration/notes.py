@@ -124,9 +124,13 @@ def of_flats(found: Calibration) -> Iterator[str]:
         yield "linearity: needs flats of three exposures under one lamp, " + (
             f"{LOWEST:.0%} to {HIGHEST:.0%} of saturation"
         )
-    elif line.quadratic.stands_out and line.bend < STEADY:
+    elif line.quadratic.stands_out != (line.bend >= STEADY):
+        why, remedy = f"as lamps and shutters may be (below {STEADY:.1%})", ""
+        if line.bend >= STEADY:
+            why = "but by no curve, as if lamp, aperture or filter changed"
+            remedy = "; take flats that differ by exposure time alone"
         yield (
             "linearity: levels are off proportional to exposure time by "
-            f"{line.bend:.2%} in the mean, as lamps and shutters may be (below "
-            f"{STEADY:.1%}): no nonlinearity is written to the profile"
+            f"{line.bend:.2%} in the mean, {why}: no nonlinearity is written to the "
+            f"profile{remedy}"
         )
