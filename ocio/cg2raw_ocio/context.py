@@ -30,8 +30,8 @@ def context_config(
     profile: SensorProfile,
     illuminant: str,
     folder: str,
-    version: str = "2.1",
-    has_table: bool = False,
+    version: str,
+    has_table: bool,
 ) -> chain.Config:
     """Return the config; files are looked for in @folder, relative to the config.
 

@@ -88,8 +88,8 @@ def merged_config(
     studio: Config,
     profiles: Sequence[SensorProfile],
     illuminants: Sequence[str],
-    exposure: Exposure | None = None,
-    folder: str | None = None,
+    exposure: Exposure | None,
+    folder: str | None,
 ) -> Config:
     """Return @studio with a RAW space, and its unbounded twin, for each profile x
     illuminant; all else is the studio's. Raises ValueError for a name it has already.

@@ -85,7 +85,7 @@ TABLE_REMARK = (
 def all_raw_spaces(
     profiles: Sequence[_core.SensorProfile],
     illuminants: Sequence[str],
-    exposure: Exposure | None = None,
+    exposure: Exposure | None,
 ) -> tuple[list[chain.Space], list[str]]:
     """Return (spaces, inactive) of each profile x illuminant: RAW spaces and their
     twins, and the aliases by which a config's inactive list names the twins (names may

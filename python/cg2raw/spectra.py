@@ -112,7 +112,6 @@ def seen_light(
     sensor: Sensor,
     illuminant: Light,
     estimate: Callable[[str], Rows],
-    as_shot: Sequence[float] | None = None,
 ) -> tuple[_core.Illuminant | Rows, str]:
     """Return (the light, the word for what is white as the sensitivities see it).
 
@@ -123,7 +122,7 @@ def seen_light(
         power = estimate(illuminant)
         return power, _core.neutral_word(profile, power)
     word = illuminant_word(illuminant, sensor.id)
-    light = profile.illuminant(word, as_shot)
+    light = profile.illuminant(word)
     return light, _core.seen_by_sensitivities(profile, word)
 
 

@@ -71,7 +71,7 @@ def test_a_profile_without_shapes_changes_nothing():
     statistics, parameters = statistics_of(0.0, 1.0), Parameters(4)
     stated = StatedShapes.of(stating(PLAIN, {"prnu": {"sigma": 0.01}}), statistics)
     profile = np.arange(float(len(parameters.names)))
-    assert (stated.names, stated.mean) == ((), None)
+    assert (stated.names, stated.mean) == ((), [1.0])
     assert np.array_equal(stated.added_to(profile, parameters), profile)
     assert stated.without(statistics, profile) is statistics
     assert stated.allowed(statistics) == {}

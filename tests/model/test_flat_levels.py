@@ -112,6 +112,14 @@ def test_values_that_are_drawn():
     assert drawn == pytest.approx(wanted[1] - wanted[0], rel=1e-4)
 
 
+def levels_of(found, predicted, white=1.0, **more):
+    """Return flat_levels of light that is known, and nothing else that may move
+    levels, but for @more."""
+    nothing = {"light": 0.0, "nuisances": frozenset(), "named": (), "doubted": ()}
+    nothing |= {"shaded": np.ones(4), "greys": np.ones_like(predicted)}
+    return flat_levels(found, predicted, "RGGB", white=white, **(nothing | more))
+
+
 def test_waves_down_the_rows_move_the_mean():
     """By as much as another of their coefficients, in all sites of one light alike."""
     found = fit(planted(3, side=2, shape=(64, 80)).statistics)
@@ -120,9 +128,7 @@ def test_waves_down_the_rows_move_the_mean():
     for variance in (0.0, 0.02):
         theta = found.theta.copy()
         theta[[found.parameters.of(name) for name in WAVES]] = 0.0, variance
-        levels = flat_levels(
-            replace(found, theta=theta), np.tile(predicted, (4, 1)), "RGGB", white=1.0
-        )
+        levels = levels_of(replace(found, theta=theta), np.tile(predicted, (4, 1)))
         covariances.append(levels.covariance)
     one_light = np.equal.outer(*2 * (np.tile([0, 1], 4),))
     wanted = 0.02 / (32 * 40) / 6 * one_light  # samples of a plane, frames
@@ -142,7 +148,7 @@ def test_a_nuisance_may_be_anything_in_each_light(nuisance, alike, names):
     is_flat = found.likelihood.planes[0].is_flat
     predicted = np.tile(np.where(is_flat, 1.0, np.nan), (4, 1))
     free, known = (
-        flat_levels(found, predicted, "RGGB", white=1.0, nuisances=frozenset(some))
+        levels_of(found, predicted, nuisances=frozenset(some))
         for some in ([nuisance], [])
     )
     shared = np.equal.outer(list(alike), list(alike))
@@ -162,9 +168,7 @@ def test_a_colour_matrix_mixes_what_flats_are_not_grey_by():
     greys[:, is_flat] = np.array([0.5, 1.0, 1.0, 0.7])[:, None]
     predicted[:, is_flat] = greys[:, is_flat] * lights
     covariances = [
-        flat_levels(
-            found, predicted, "RGGB", white=1.0, doubted=doubted, greys=greys
-        ).covariance
+        levels_of(found, predicted, doubted=doubted, greys=greys).covariance
         for doubted in ([], [MATRIX])
     ]
     expected = np.zeros_like(covariances[0])
@@ -181,7 +185,7 @@ def test_a_black_level_that_is_doubted_may_be_off_by_as_much_as_white():
     is_flat = found.likelihood.planes[0].is_flat
     predicted = np.tile(np.where(is_flat, 1.0, np.nan), (4, 1))
     known, doubted = (
-        flat_levels(found, predicted, "RGGB", white=100.0, doubted=one).covariance
+        levels_of(found, predicted, white=100.0, doubted=one).covariance
         for one in ([], [BLACK])
     )
     light = np.concatenate([p.light[is_flat] for p in found.likelihood.planes])

@@ -114,7 +114,7 @@ def is_ours(name: str) -> bool:
 
 
 @contextlib.contextmanager
-def locked(out: str, tell: Callable[[str], None] | None = None) -> Iterator[None]:
+def locked(out: str, tell: Callable[[str], None] | None) -> Iterator[None]:
     """Keep others from writing the same data set. Raises ValueError if one does.
 
     Where the file system has no locks, nobody is kept: @tell is told."""

@@ -101,9 +101,9 @@ class StatedShapes:
         return cls(tuple(name for name, _ in given), offset, light)
 
     @property
-    def mean(self) -> Array | None:
-        """(planes,) the mean of light over that in the middle; None without shapes."""
-        return np.array([one.mean for one in self.light]) if self.names else None
+    def mean(self) -> Array:
+        """(planes,) the mean of light over that in the middle; (1,) without shapes."""
+        return np.array([one.mean for one in self.light] if self.names else [1.0])
 
     def added_to(self, profile: Array, parameters: Parameters) -> Array:
         """Return (n,) parameters of a profile with the means of these shapes, which

@@ -108,7 +108,7 @@ def resolved(
     path: FilePath,
     source: Any,
     rule: Callable[[_core.ImageFacts], _core.Export],
-    space: str | None = None,
+    space: str | None,
     **known: Any,
 ) -> tuple[_core.Export, Any]:
     """Return (what @rule decides of a file, the ImageSpec of its picture).

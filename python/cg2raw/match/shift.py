@@ -129,10 +129,10 @@ def shift_between(renders: Array, captures: Levels, seed: int = 0) -> Shift:
     return Shift(found.median, found.spread, quantiles, *ranges)
 
 
-def shift_of(values: Levels, seed: int = 0) -> Shift:
+def shift_of(values: Levels) -> Shift:
     """Return the Shift of values that were found scene by scene; at least two."""
     median, spread = of_pairs(np.zeros(2), values)
-    ranges = intervals((median, spread), np.zeros(2), values, seed, of_pairs)
+    ranges = intervals((median, spread), np.zeros(2), values, 0, of_pairs)
     return Shift(median, spread, empirical_quantiles(values.all), *ranges)
 
 

@@ -178,12 +178,12 @@ def flat_levels(
     cfa: str,
     *,
     white: float,
-    light: float = 0.0,
-    nuisances: frozenset[str] = frozenset(),
-    named: Collection[str] = (),
-    doubted: Collection[str] = (),
-    shaded: Array | None = None,
-    greys: Array | None = None,
+    light: float,
+    nuisances: frozenset[str],
+    named: Collection[str],
+    doubted: Collection[str],
+    shaded: Array,
+    greys: Array,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none.
 
@@ -197,8 +197,6 @@ def flat_levels(
     anything; a colour matrix, which shows where flats are not grey. shaded : (sites,)
     the mean of a stated shading, which mean images lack, over that in the middle. greys
     : as @predicted, of grey light; 1 of each without."""
-    if shaded is None:
-        shaded = np.ones(len(predicted))
     predicted = predicted * shaded[:, None]
     planes = found.likelihood.planes
     is_cut = np.any([plane.plane.high > CUT for plane in planes], axis=0)
@@ -227,8 +225,7 @@ def flat_levels(
     if BLACK in doubted:
         covariance += of_sites * np.equal.outer(site, site) * white**2
     if MATRIX in doubted:
-        greys = np.ones_like(of_color) if greys is None else greys[:, groups]
-        mixed = MATRIX_SHARE * _mixed(predicted / greys, letters)
+        mixed = MATRIX_SHARE * _mixed(predicted / greys[:, groups], letters)
         covariance += mixed.T @ mixed
     drift = max(float(found.theta[found.parameters.of("black_level_drift")]), 0.0)
     covariance += of_sites * one_light * drift / frames[flat]

@@ -328,7 +328,7 @@ def coefficients_of(plane: PlaneStatistics, site: int, side: int) -> list[Array]
 
 
 def middle_of(
-    plane: PlaneStatistics, low: Array, degree: int | None = None
+    plane: PlaneStatistics, low: Array, degree: int | None
 ) -> tuple[Array, float]:
     """Return (G,) DN, how far the middle of the frame is above its mean, of what low_of
     returns; and of how many samples its variance is the mean.

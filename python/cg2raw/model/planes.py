@@ -297,7 +297,7 @@ class PlaneLikelihood:
             self.scatter[used], expected[used], by[used], self.freedom[used]
         )
 
-    def usual_scatter(self, theta: Array | None = None) -> Array:
+    def usual_scatter(self, theta: Array | None) -> Array:
         """Return (G, 8) DN^2, the scatter; of groups without repeats that of the darks
         that have them, or of all. theta : of a fit, by whose gain their shot noise is
         another."""

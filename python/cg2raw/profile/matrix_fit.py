@@ -63,20 +63,17 @@ def delta_e(xyz_d50: Array, reference_xyz_d50: Array) -> Array:
 def fit_xyz_d50_from_camera(
     rgb: Array,
     power: Array,
-    reflectances: Array | None = None,
     observed_under: Array | None = None,
 ) -> Array:
     """Return (3, 3) XYZ D50 from balanced camera RGB with the least mean CIEDE2000.
 
-    rgb : (81, 3) sensitivities. power : (81,) of the light. reflectances : (n, 81), by
-    default training_reflectances(). observed_under : (81,) of the light under which the
-    observer sees the colours that are sought; by default power. White (1, 1, 1) becomes
-    XYZ of D50. That is a DNG ForwardMatrix. Raises ValueError if the fit does not end
-    in an invertible matrix."""
+    rgb : (81, 3) sensitivities. power : (81,) of the light. observed_under : (81,) of
+    the light under which the observer sees the colours that are sought; by default
+    power. White (1, 1, 1) becomes XYZ of D50. That is a DNG ForwardMatrix. Raises
+    ValueError if the fit does not end in an invertible matrix."""
     from scipy.optimize import minimize
 
-    if reflectances is None:
-        reflectances = training_reflectances()
+    reflectances = training_reflectances()
     camera = balanced_camera(rgb, power, reflectances)
     observed = power if observed_under is None else observed_under
     to_d50 = adaptation_to_d50(xyz_under(observed))

@@ -73,7 +73,7 @@ def _light_of(capture: Capture) -> tuple[float, ...]:
 
 
 def statistics_by_split(
-    captures: Sequence[Capture], sensor: Sensor, progress: Progress | None = None
+    captures: Sequence[Capture], sensor: Sensor, progress: Progress | None
 ) -> ConstantStatistics:
     """Return the statistics of darks and flats. Flats of unknown light repeat each
     other if their levels are alike. Where some are divided by pixels, each split has a

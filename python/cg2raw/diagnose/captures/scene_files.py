@@ -41,7 +41,7 @@ def has_curve(path: str) -> bool:
     return not npy_file.is_npy(path) and image_file.has_integers(path)
 
 
-def read_scene(path: str, gain: float, linearize: str | None = None) -> FloatImage:
+def read_scene(path: str, gain: float, linearize: str | None) -> FloatImage:
     """Return (H, W, 3) float32 scene-linear Rec.709 times gain.
 
     linearize : None: by the curve that the file states; "srgb": by sRGB's; "none": the

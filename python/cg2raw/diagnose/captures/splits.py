@@ -48,7 +48,7 @@ def third(shape: Sequence[int], group: Group) -> NDArray[np.bool_]:
     return mask
 
 
-def third_of_columns(width: int, group: Group, side: int = 1) -> NDArray[np.intp]:
+def third_of_columns(width: int, group: Group, side: int) -> NDArray[np.intp]:
     """Return the columns of a frame that are one group's, as many in each, in order:
     every third one, so that what varies over the field is in all groups alike. They
     have the colours of the CFA's repeat.

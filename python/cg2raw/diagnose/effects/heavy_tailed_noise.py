@@ -25,7 +25,6 @@ class HeavyTailedNoise(Effect):
         Parameter("fraction", 1e-4, 0.5),
         Parameter("variance_ratio", 1.1, 80.0),
     )
-    step = 0.01
     signature = frozenset({"noise"})
 
     def profile_values(

@@ -33,7 +33,6 @@ class PoissonShotNoise(Effect):
     of_mean = False
     of_images = True
     fitted = (Parameter("fraction", 0, 1.5),)
-    step = 0.01
     signature = frozenset({"noise"})
 
     def third_cumulant(self, p: Prediction) -> Array:

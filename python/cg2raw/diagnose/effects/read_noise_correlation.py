@@ -27,7 +27,6 @@ class ReadNoiseCorrelation(Effect):
     where = "neighbours in a row share read noise, most of all in darks"
     of_mean = False
     fitted = (Parameter("coefficient", -0.5, 0.5),)
-    step = 5e-3
     signature = frozenset({"noise"})
     told_apart = {"noise_reduction": SOFTENED, "blur": SOFTENED, "crosstalk": SOFTENED}
 

@@ -80,9 +80,9 @@ GROWN: Mapping[str, str] = {
 def diagnosis_of(
     found: DarksAndFlats,
     names: Collection[str],
-    is_judged: bool = False,
-    free: Collection[str] = (),
-    details: bool = True,
+    is_judged: bool,
+    free: Collection[str],
+    details: bool,
 ) -> Diagnosis:
     """Return what darks and flats say as a diagnosis.
 
