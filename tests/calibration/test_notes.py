@@ -118,8 +118,8 @@ def line(bend, error=0.001):
             {"fit": Fitted([GAIN]), "transfer": FULL, "light": LIGHT}
             | {"linearity": line(0.3, error=0.1)},
             [
-                "linearity: levels are off proportional to exposure time by 30.00% in the "
-                "mean, but by no curve"
+                "linearity: levels are off proportional to exposure time by 30.00% in "
+                "the mean, but by no curve"
             ],
         ),
         (

@@ -140,11 +140,17 @@ def test_a_black_level_on_which_scenes_do_not_agree_may_be_drift():
 
 
 @pytest.mark.parametrize(
-    ("seed", "others"), [(4, []), (7, ["black_level"])], ids=["strong", "weak"]
+    ("seed", "strength", "others"),
+    [
+        (4, 10.0, []),
+        (4, 2.0, ["amplifier_glow"]),
+        (7, 2.0, ["black_level", "amplifier_glow"]),
+    ],
 )
-def test_dark_current_grows_with_the_time_of_scenes(seed, others):
-    """A black level does not; what is weak may be either."""
-    found = diagnose(few_scenes(seed, dark_current=2.0), details=False)
+def test_dark_current_grows_with_the_time_of_scenes(seed, strength, others):
+    """A black level does not; what is weak may be either, or glow, of which a ramp
+    would be weaker still."""
+    found = diagnose(few_scenes(seed, dark_current=strength), details=False)
     [one] = found.effects
     assert (one.name, one.ambiguous_with) == ("dark_current", others)
 

@@ -17,6 +17,7 @@ from cg2raw.model.profile_values import profile_values
 from cg2raw.model.selection import NAMES, selection
 from cg2raw.model.shapes import Shapes
 from cg2raw.model.shapes.base import Shape
+from cg2raw.model.shapes.dust import NAME as DUST
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.statistics.constant import GroupInfo
 from model.planted import planted
@@ -145,6 +146,22 @@ def test_noise_of_a_profile_beside_tails(fits, of_profile, most, whole, is_named
     shapes = Shapes({TAILS: Shape(TAILS, 99.0, ())}, most=2 * (of_most,), whole=whole)
     found = selection(first, second, lacks, LEAST, shapes=shapes).kept(LEAST)
     assert ("read_noise" in found) == is_named
+
+
+@pytest.mark.parametrize("fits", [2], indirect=True)
+@pytest.mark.parametrize(
+    ("nats", "corners", "others"),
+    [(99.0, 1.0, ["dust"]), (99.0, 1e-9, []), (0.0, 1.0, [])],
+)
+def test_shading_may_be_dust_in_corners_where_there_is_dust(
+    fits, nats, corners, others
+):
+    """Of coefficients that spots in corners would have; it is named all the same."""
+    first, second, truth = fits
+    shapes = Shapes({DUST: Shape(DUST, nats, ())}, corners=corners)
+    found = selection(first, second, truth, LEAST, shapes=shapes)
+    assert "lens_shading" in found.kept(LEAST)
+    assert [*found.alike.get("lens_shading", ())] == others
 
 
 def fits_of_darks(seed, times, level, frames=3):

@@ -138,6 +138,12 @@ def selection(
             # Of waves down the rows, those of one flat may be of the light's.
             if gain_of(own & ~of_rows, values[0], validation, profile, least) < least:
                 alike = {**alike, name: (FLICKER,)}
+        has_dust = DUST in shapes.found and shapes.found[DUST].nats > least
+        if has_dust and name == OF_LENS[0] and gains[name] > least:
+            at = np.flatnonzero(own)
+            of_spots = Prior(at, profile[at], shapes.corners**2 * np.eye(len(at)))
+            if gain_of(own, values[0], validation, profile, least, of_spots) < least:
+                alike = {**alike, name: (*alike.get(name, ()), DUST)}
     levels = {name: places[name] for name in LEVELS if name in places}
     pair = training, validation
     if "black_level_drift" not in levels and together is not None:

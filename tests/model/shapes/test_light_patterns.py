@@ -6,10 +6,12 @@ import sys
 
 import numpy as np
 import pytest
+from numpy.polynomial.legendre import legvander
 from scipy.stats import poisson
 
-from cg2raw.model.shapes.base import nats_beyond
-from cg2raw.model.shapes.dust import Spot, _figures, dust
+from cg2raw.model.figures import Figure
+from cg2raw.model.shapes.base import Shape, nats_beyond
+from cg2raw.model.shapes.dust import Spot, _figures, dust, like_shading
 from cg2raw.model.shapes.light_patterns import Excess, _weights
 from cg2raw.model.shapes.pdaf_pixels import _mean
 from cg2raw.statistics.constant import ConstantStatistics, GroupInfo
@@ -131,6 +133,24 @@ def test_values_of_dust(power):
     for figure, truth in ((depth, 0.08), (radius, 5.0)):
         assert abs(figure.value - truth) < 3.5 * figure.standard_error, figure
         assert figure.standard_error < truth / 5
+
+
+def test_dust_in_corners_has_smooth_coefficients():
+    """By Legendre's polynomials of degrees 0 to 5, whose squares have a sum of 1 over
+    the samples of a side, and without the mean."""
+    plane = statistics_of(frames(spots(0.05))(1, "training")).planes[0]
+    numbers = zip(("density", "depth", "radius"), (9.0, 0.05, 20.0), strict=True)
+    figures = [Figure(name, "", x, 0.0, x, x) for name, x in numbers]
+    sides = []
+    for n in plane.shape:
+        sizes = np.sqrt((2 * np.arange(6) + 1) / n)
+        sides.append(legvander(np.linspace(-1, 1, n), 5).T * sizes[:, None])
+    spot = 0.05 * (np.hypot(*2 * np.indices(plane.shape)) < 20)
+    squares = (sides[0] @ spot @ sides[1].T) ** 2
+    wanted = 4 * (squares.sum() - squares[0, 0]) / 35
+    found = like_shading(Shape("dust", 1.0, tuple(figures)), plane, 2)
+    assert found == pytest.approx(wanted, rel=0.2)  # of sums in place of integrals
+    assert like_shading(Shape("dust", 1.0, _figures([], SHAPE)), plane, 2) == 0
 
 
 def test_spots_of_the_law_of_dust_lose_nothing_by_it(monkeypatch):

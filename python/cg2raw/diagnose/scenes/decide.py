@@ -38,7 +38,7 @@ from cg2raw.diagnose.scenes.point import Excess, Point, normal_of, point_of
 from cg2raw.diagnose.scenes.predict import predict, variance_left
 from cg2raw.diagnose.scenes.registration import Placement, first_guess
 from cg2raw.diagnose.scenes.residuals import Residuals
-from cg2raw.diagnose.scenes.selection import Chosen, Selection
+from cg2raw.diagnose.scenes.selection import Chosen, Selection, nats_to_be_seen
 from cg2raw.diagnose.scenes.shapes import full_well, photons
 from cg2raw.diagnose.scenes.view import View, views_of
 from cg2raw.diagnose.stated_shapes import SHAPE_ERROR
@@ -53,6 +53,9 @@ RAMP, GLOW = "bias_structure", "amplifier_glow"
 WELL, PHOTONS, BLUR = "full_well", "poisson_shot_noise", "blur"
 FIT, SELECT, REPORT = "fit", "select", "report"
 PASSES = 5
+# Of the mean square of glow, that of its linear ramp where it is most even: from the
+# middle of a long side, over half a diagonal.
+EVEN_GLOW = 0.057
 SETTLED = 0.1  # standard errors that a pass still moves values
 SETTLED_POSE, SETTLED_GAIN = 0.01, 2e-3  # px; relative
 SETTLED_NOISE, SETTLED_WELL = 0.02, 1e-3  # of a variance; of white
@@ -543,10 +546,12 @@ class Scenes:
 
     def _doubt_offsets(self) -> None:
         """Say what else offsets may be, which no darks tell: a ramp, and a dark current
-        with it, glow; a black level, drift, if scenes agree on it no better than by
-        chance (Student, Biometrika 6(1), 1908)."""
-        if RAMP in self.chosen.names and GLOW in self.names:
-            for name in {RAMP, CURRENT} & {*self.chosen.names}:
+        with it or too weak to show one, glow; a black level, drift, if scenes agree on
+        it no better than by chance (Student, Biometrika 6(1), 1908)."""
+        glows = {RAMP, CURRENT} & {*self.chosen.names} if GLOW in self.names else set()
+        ramp = EVEN_GLOW * self.chosen.nats.get(CURRENT, math.inf)
+        if RAMP in glows or ramp < nats_to_be_seen(self.least):
+            for name in glows:
                 self._add_alternatives(name, [GLOW])
         if BLACK not in self.chosen.names:
             return

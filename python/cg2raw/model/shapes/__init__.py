@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 from cg2raw.model.fit import Fit
 from cg2raw.model.shapes.base import Shape, Shown
-from cg2raw.model.shapes.dust import dust, power_of_spots
+from cg2raw.model.shapes.dust import NAME as DUST
+from cg2raw.model.shapes.dust import dust, like_shading, power_of_spots
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.model.shapes.heavy_tailed_noise import (
     core_of,
@@ -41,7 +42,8 @@ class Shapes:
     all samples of the shortest darks over that of those that are not masked, and its
     standard error.
     spots : by how much the variance of the pixels' sensitivity would be more with those
-    in spots, which a profile's may have; of training frames."""
+    in spots, which a profile's may have; of training frames. corners : the variance of
+    a coefficient of shading by dust in corners."""
 
     found: Mapping[str, Shape]
     dark_median: tuple[float, float] = (0.0, 0.0)
@@ -49,6 +51,7 @@ class Shapes:
     most: tuple[tuple[float, float] | None, ...] = (None, None)
     spots: float = 0.0
     whole: tuple[float, float] = (1.0, 0.0)
+    corners: float = 0.0
 
     def read_noise(
         self, profile: float, among: tuple[tuple[float, float] | None, ...]
@@ -83,4 +86,7 @@ def shapes(
     cores = tuple(core_of(shown, split) for split in splits)
     most = tuple(most_of(shown, split) if has_tails else None for split in splits)
     spots, whole = power_of_spots(shown, splits[0]), whole_of(shown, splits[1])
-    return Shapes(by_name, median, cores, most, spots, whole)
+    corners, of_dust = 0.0, by_name.get(DUST)
+    if of_dust is not None:
+        corners = like_shading(of_dust, statistics.planes[0], statistics.side)
+    return Shapes(by_name, median, cores, most, spots, whole, corners)

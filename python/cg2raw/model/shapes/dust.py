@@ -18,7 +18,7 @@ from cg2raw.model.shapes.light_patterns import (
     nats_of,
 )
 from cg2raw.normal import CI95
-from cg2raw.statistics.constant import Array
+from cg2raw.statistics.constant import FIELD, Array, PlaneStatistics, polynomials
 from cg2raw.statistics.spots import HALF
 
 NAME = "dust"
@@ -88,6 +88,20 @@ def power_of_spots(shown: Shown, split: str) -> float:
         return 0.0
     squares = float((excess.values**2 - 1 / excess.weights).sum())
     return max(squares, 0.0) / (shape[0] * shape[1])
+
+
+def like_shading(found: Shape, plane: PlaneStatistics, side: int) -> float:
+    """Return the mean square of smooth coefficients of the light that spots in all four
+    corners would lack, relative: there they are like a lens's shading. found : dust, as
+    deep and as wide. side : planes along the CFA's repeat."""
+    depth, radius = (f.value for f in found.figures if f.name in ("depth", "radius"))
+    if not np.isfinite(depth):
+        return 0.0
+    rows, columns = (side * np.arange(length) for length in plane.shape)
+    spot = depth * (np.hypot.outer(rows, columns) < radius)
+    down, across = (polynomials(length)[: FIELD + 1] for length in plane.shape)
+    coefficients = down @ spot @ across.T
+    return 4 * float((coefficients.ravel()[1:] ** 2).mean())
 
 
 def _loss(numbers: Array, rows: Array, columns: Array) -> Array:
