@@ -156,6 +156,8 @@ class Scratch:
             if outcome == "skipped":
                 skipped.add(test)
         tests = {test: s for test, s in seconds.items() if test not in failed}
+        # What one test of the file works out for another, runs for each of them.
+        caches = "@cache" in (ROOT / test_file).read_text()
         lines: dict = defaultdict(lambda: defaultdict(set))
         for file in self.folder.glob("coverage.*"):
             with contextlib.suppress(DataError):  # of a process that a test killed
@@ -164,7 +166,7 @@ class Scratch:
                 for path in data.measured_files():
                     source = Path(path).relative_to(self.package).as_posix()
                     for line, contexts in data.contexts_by_lineno(path).items():
-                        shared = f"{test_file}::" in contexts
+                        shared = caches or f"{test_file}::" in contexts
                         for test in tests if shared else tests.keys() & set(contexts):
                             lines[source][test].add(line)
             file.unlink()

@@ -60,7 +60,7 @@ SETS = {
         {"twice": True},
     ),
     "flats": (
-        ("color_shading", "pdaf_pixels", "shot_noise", "mains_flicker"),
+        ("color_shading", "pdaf_pixels", "shot_noise", "gr_gb_imbalance"),
         2,
         ("flat",),
         {"twice": True},

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, chi2, t
 
-from cg2raw.model.figures import _light, _root, figures_of
+from cg2raw.model.figures import Figure, _light, _root, figures_of
 from cg2raw.model.fit import fit
 from cg2raw.model.structure import structure_of
 from cg2raw.normal import CI95
@@ -111,6 +111,12 @@ def test_electrons_per_dn_are_one_over_the_gain(error):
     assert gain.low == pytest.approx(1 / (0.5 + CI95 * error))
     most = 1 / (0.5 - CI95 * error) if error < 0.2 else np.inf
     assert gain.high == pytest.approx(most)
+
+
+@pytest.mark.parametrize(("least", "low"), [(0.0, 0.4), (0.5, 0.5)])
+def test_an_interval_ends_at_the_least_that_a_value_may_be(least, low):
+    figure = Figure.normal("x", "DN", 1.0, 0.6 / CI95, least)
+    assert (figure.low, figure.high) == (pytest.approx(low), pytest.approx(1.6))
 
 
 def by_name(*groups):

@@ -57,6 +57,24 @@ def test_each_is_named_alone(name):
     assert [one for one, gain in found.gains.items() if gain > LEAST] == [name]
 
 
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("exposure", [0.02]),
+        ("white_balance", [0.03, -0.02]),
+        ("gr_gb_imbalance", [0.01, -0.005]),
+        ("nonlinearity", [0.02, 0.0]),
+        ("crosstalk", [0.02, 0.0]),
+    ],
+)
+def test_values_are_those_that_were_planted(name, values):
+    """Within four standard errors; levels are known to a ten-thousandth."""
+    rng, change = np.random.default_rng(5), CHANGES[name]
+    found, covariance = flats(FIRST, change(FIRST), rng).known([name])
+    errors = np.sqrt(np.diagonal(covariance))
+    assert (np.abs(found - values) < 4 * errors).all() and errors.max() < 2e-3
+
+
 def test_levels_as_predicted_name_nothing():
     rng = np.random.default_rng(6)
     two = [flats(x, x, rng) for x in (FIRST, SECOND)]

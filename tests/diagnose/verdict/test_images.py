@@ -145,6 +145,12 @@ def test_what_takes_up_the_rest_of_another_model_is_no_finding(blur, alike, name
         assert "(1.0% of its gain)" in note
 
 
+def test_what_stands_behind_such_a_name_is_a_finding_all_the_same():
+    nats = {"lens_distortion": 1000.0, "blur": 9.9, "prnu": 9.0}
+    findings, _ = _findings(scenes(nats, {}), {name: {} for name in nats}, False)
+    assert [one.name for one in findings] == ["lens_distortion", "prnu"]
+
+
 def test_names_that_others_explain_together_are_said():
     free, note = _notes(scenes({}, {"blur": [["veiling_glare", "exposure"], ["prnu"]]}))
     assert free == "Free nuisances, which are not effects: exposure, light."
