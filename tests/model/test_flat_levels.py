@@ -75,6 +75,17 @@ def test_values_are_those_that_were_planted(name, values):
     assert (np.abs(found - values) < 4 * errors).all() and errors.max() < 2e-3
 
 
+@pytest.mark.parametrize("greens", [0.005, -0.005])
+def test_no_pixel_takes_light_from_its_neighbours(greens):
+    """Greens that differ by the same in lights of one difference of red and blue are
+    like light that leaks along rows, and is taken along columns."""
+    change = np.array([1, 1 + greens, 1 - greens, 1])[:, None]
+    rng = np.random.default_rng(5)
+    found = levels_set(*(flats(FIRST, change * FIRST, rng) for _ in "ab"), LEAST)
+    assert [*found.gains] == ["gr_gb_imbalance"]
+    assert found.alike["gr_gb_imbalance"] == []
+
+
 def test_levels_as_predicted_name_nothing():
     rng = np.random.default_rng(6)
     two = [flats(x, x, rng) for x in (FIRST, SECOND)]

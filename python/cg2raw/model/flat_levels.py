@@ -28,7 +28,7 @@ STEP = 1e-6  # of a slope by differences
 ROUNDS = 6  # of Gauss-Newton; two are usual
 SETTLED = 1e-9  # relative: steps that change nothing
 SQUARE = 2  # degree
-MATRIX = "color_matrix"
+MATRIX, CROSSTALK = "color_matrix", "crosstalk"
 # Shares of other colours that one of two bundled sensors takes in the other's colours.
 MATRIX_SHARE = 0.15
 ALIKE = 1e-9  # of the largest singular value: directions that others make up for
@@ -166,7 +166,7 @@ def _nonlinearity(flats: FlatLevels, level: Array, values: Array) -> Array:
 CHANGES: Mapping[str, tuple[int, Change]] = {
     "exposure": (1, _exposure),
     "white_balance": (2, _white_balance),
-    "crosstalk": (2, _crosstalk),
+    CROSSTALK: (2, _crosstalk),
     "gr_gb_imbalance": (2, _gr_gb_imbalance),
     "nonlinearity": (2, _nonlinearity),
 }
@@ -303,12 +303,23 @@ def levels_set(
     training: FlatLevels, validation: FlatLevels, least: float
 ) -> SmallestSet:
     """Return the set of names that explains levels best: nats on validation frames with
-    its parameters as trained, over the same set without the name, fitted anew.
+    its parameters as trained, over the same set without the name, fitted anew. None in
+    which pixels take light from their neighbours, beyond chance.
 
     least : nats that a name needs."""
+
+    def value(names: Sequence[str], trained: tuple[Array, Array]) -> float:
+        if CROSSTALK in names:
+            first = sum(CHANGES[one][0] for one in names[: names.index(CROSSTALK)])
+            own = slice(first, first + CHANGES[CROSSTALK][0])
+            variances = np.diagonal(trained[1])[own]
+            if (trained[0][own] < -np.sqrt(2 * least * variances) - LEAST_ERROR).any():
+                return -np.inf
+        return validation.value(names, *trained)
+
     way = Way(
         training.known,
-        lambda names, trained: validation.value(names, *trained),
+        value,
         lambda names: validation.value(names, validation.fitted(names)),
     )
     return smallest_set(dict.fromkeys(validation.names, 0), least, [way])
