@@ -18,7 +18,7 @@ FREE = frozenset({"registration", "exposure", "light", "radiance"})
 AFFINE = np.array([[2.3, 0.2, -0.1], [-1.6, 0.1, 0.15]])
 
 
-@pytest.mark.parametrize("shift", [(0, 0), (2, -4), (-4, 2)])
+@pytest.mark.parametrize("shift", [(0, 0), (2, -4), (-4, 2), (12, 4), (-6, -20)])
 def test_a_first_guess_is_the_best_correlation(shift):
     rng = np.random.default_rng(1)
     image = rng.normal(size=(1, 64, 80)).cumsum(1).cumsum(2)
@@ -35,12 +35,14 @@ def test_a_smooth_error_of_light_is_of_products_of_legendre_polynomials():
     assert of_light["field 1 2"] == pytest.approx(down * (3 * across**2 - 1) / 2)
 
 
-def test_what_is_displaced_and_brighter_is_found():
-    capture_set, frames = images(Model(SENSOR), nuisances=FREE)
+def displaced(affine, nuisances=FREE):
+    """Return a capture set, and its frames, whose renders lie elsewhere and are 1.1
+    times as bright as they are."""
+    capture_set, frames = images(Model(SENSOR), nuisances=nuisances)
     truth = [
         replace(
             frame,
-            camera=(1.1 * warped(frame.camera, frame, AFFINE)).astype(np.float32),
+            camera=(1.1 * warped(frame.camera, frame, affine)).astype(np.float32),
             memo={},
         )
         if frame.capture.shows.render
@@ -48,11 +50,25 @@ def test_what_is_displaced_and_brighter_is_found():
         for frame in frames
     ]
     seen = drawn(truth, Model(SENSOR), 3)
-    shown = [
+    return capture_set, [
         replace(frame, signal=other.signal, at_white=other.at_white)
         for frame, other in zip(frames, seen, strict=True)
     ]
-    found = decided(capture_set, shown)
+
+
+@pytest.mark.parametrize(
+    ("down", "nuisances"),
+    [(-6.5, FREE), (9.0, FREE), (9.0, frozenset({"exposure"}))],
+)
+def test_a_render_too_far_from_its_capture_is_refused(down, nuisances):
+    """Declared or not: it would be the lens's distortion, and its blur."""
+    affine = np.array([[down, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    with pytest.raises(ValueError, match=r"px down, .* takes up 4 px|not correspond"):
+        decided(*displaced(affine, nuisances))
+
+
+def test_what_is_displaced_and_brighter_is_found():
+    found = decided(*displaced(AFFINE))
     assert found.chosen.names == []
     for view in found.views:
         if view.frame.capture.shows.render:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
+
 # Of the Gaussian that a shift's peak becomes, cells: wide enough for its three highest
 # samples to be above the noise, narrow enough for two peaks to stay apart.
 PEAK_SIGMA = 1.0
@@ -84,3 +86,11 @@ def correlation_at(
         return 0.0
     a, b = a - a.mean(dtype=np.float64), b - b.mean(dtype=np.float64)
     return float((a * b).sum() / np.sqrt((a * a).sum() * (b * b).sum()))
+
+
+def far_words(down: float, right: float) -> str:
+    """Return what is said of a render that lies too far from its capture, px."""
+    return (
+        f"its render is {down:+.1f} px down, {right:+.1f} px right of it; a diagnosis "
+        f"takes up {LARGEST_SHIFT:g} px"
+    )

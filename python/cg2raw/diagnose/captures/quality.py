@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cg2raw.arrays import RawImage
 from cg2raw.cfa import repeat_of, sites_of
 from cg2raw.diagnose.captures.capture import KINDS, Capture, Kind
-from cg2raw.diagnose.captures.phase_correlation import Shift, shift_between
+from cg2raw.diagnose.captures.phase_correlation import Shift, far_words, shift_between
 from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
 from cg2raw.sensor import Sensor
 from cg2raw.statistics import codes
@@ -208,12 +208,8 @@ def scene_complaints(shift: Shift | None) -> list[str]:
             f"the scene does not correspond: correlation {shift.correlation:.2f} with "
             "its render"
         ]
-    if max(abs(shift.down), abs(shift.right)) > LARGEST_SHIFT:
-        return [
-            f"its render is {shift.down:+.1f} px down, {shift.right:+.1f} px right of "
-            f"it; a diagnosis takes up {LARGEST_SHIFT:g} px"
-        ]
-    return []
+    is_far = max(abs(shift.down), abs(shift.right)) > LARGEST_SHIFT
+    return [far_words(shift.down, shift.right)] if is_far else []
 
 
 def registration(

@@ -3,20 +3,26 @@
 
 """Correspondence: whether a render is one of what was captured."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from cg2raw.diagnose.captures.phase_correlation import far_words
+from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
 from cg2raw.diagnose.scenes.point import Point
+from cg2raw.diagnose.scenes.registration import Placement, first_guess
 
 LEAST_ALIKE = 0.5  # correlation of a capture and its render
 LEAST_USED = 0.01  # of the pixels of an image, between black and white
 CONTRAST = 3.0  # standard deviations of noise, of an image that has any
 
 
-def check_correspondence(points: Iterable[Point]) -> None:
-    """Refuse renders of something else than was captured, and images that say nothing.
-    Raises ValueError."""
+def check_correspondence(
+    points: Iterable[Point], placements: Mapping[str, Placement]
+) -> None:
+    """Refuse renders of something else than was captured or far from it, and images
+    that say nothing. placements : by set, where renders were found. Raises
+    ValueError."""
     for point in points:
         view, used = point.view, point.root > 0
         name = view.frame.capture.name
@@ -41,3 +47,10 @@ def check_correspondence(points: Iterable[Point]) -> None:
                 "the render of this frame, of the same view and crop, and are both "
                 "the same way up?"
             )
+        found = placements.get(view.frame.capture.set, Placement.none()).affine[:, 0]
+        for place in (found, first_guess(view.signal, point.mean, point.root > 0)):
+            if np.abs(place).max() > LARGEST_SHIFT + 1:
+                raise ValueError(
+                    f"{name}: {far_words(*place)}: give the render of the same view "
+                    "and crop"
+                )

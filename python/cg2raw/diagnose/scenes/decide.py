@@ -287,7 +287,7 @@ class Scenes:
         every = [
             v for v in self.views if v.frame.capture.shows.image and not v.is_table
         ]
-        check_correspondence(map(self.point, every))
+        check_correspondence(map(self.point, every), self.placements)
         self._fill_well()
         if self._calibrates:
             self._fit_noise()

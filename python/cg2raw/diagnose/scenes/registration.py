@@ -21,6 +21,7 @@ from cg2raw.diagnose.scenes.nuisances import pose_of
 
 LONGEST_STEP = 1.0  # px
 BRIGHTER = (0.8, 1.25)  # least and largest change of brightness in a step
+SMALL_SHIFT = 0.7  # of the best correlation, that a small shift must have
 SLOW = 3.0  # pairs of pixels; what is slower does not say where edges lie
 
 
@@ -86,18 +87,24 @@ def warped(camera: Array, frame: Frame, affine: Array) -> Array:
 
 def first_guess(measured: Array, predicted: Array, usable: Mask) -> Array:
     """Return the shift (2,) px of best correlation, in pairs of pixels, by Fourier
-    transform. All (T, h, w)."""
+    transform: one that is taken up, unless another has by far more. All (T, h, w)."""
     correlation: Array | float = 0.0
     for tile in range(len(predicted)):
         a, b = (_edges_of(image[tile], usable[tile]) for image in (measured, predicted))
         product = fft.rfft2(a) * np.conj(fft.rfft2(b))
         correlation = correlation + fft.irfft2(product, a.shape)
+    surface = np.asarray(correlation)
     reach = LARGEST_SHIFT // 2
     near = np.arange(-reach, reach + 1)
-    window = np.asarray(correlation)[np.ix_(near, near)]
+    rows, columns = near, near
+    if surface[np.ix_(near, near)].max() < SMALL_SHIFT * surface.max():
+        rows, columns = (
+            np.round(fft.fftfreq(n, 1 / n)).astype(int) for n in surface.shape
+        )
+    window = surface[np.ix_(rows, columns)]
     row, col = np.unravel_index(np.argmax(window), window.shape)
     # The camera shows at x what the render has at x + shift.
-    return -2.0 * np.array([near[row], near[col]], float)
+    return -2.0 * np.array([rows[row], columns[col]], float)
 
 
 def _edges_of(image: Array, usable: Mask) -> Array:
