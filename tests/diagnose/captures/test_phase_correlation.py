@@ -9,6 +9,7 @@ from scipy.ndimage import shift as moved
 
 from cg2raw.diagnose.captures.phase_correlation import (
     Shift,
+    misplaced_words,
     shift_between,
     vertex,
     windowed,
@@ -20,6 +21,21 @@ def picture(shape=(180, 241), seed=1):
     rng = np.random.default_rng(seed)
     blobs = gaussian_filter(rng.normal(size=shape), 2.0)
     return blobs / blobs.std() + np.linspace(0, 2, shape[1])
+
+
+@pytest.mark.parametrize(
+    ("shifts", "is_said"),
+    [
+        ([(1.0, 0.0)] * 3, True),
+        ([(0.0, -0.5)] * 3, True),
+        ([(0.2, -0.2)] * 3, False),
+        ([(0.0, 0.0), (0.1, 0.0), (3.0, 3.0)], False),  # of one alone
+        ([], False),
+    ],
+)
+def test_renders_beside_their_captures_need_registration(shifts, is_said):
+    words = misplaced_words([Shift(*one, 0.9) for one in shifts])
+    assert bool(words) == ("add registration to nuisance" in words) == is_said
 
 
 @pytest.mark.parametrize("by", [(0, 0), (3, -5), (-7.4, 2.3), (0.5, 11.6)])

@@ -53,11 +53,15 @@ def test_a_render_that_is_shifted(tmp_path):
         cg2raw.Sensor(files.SENSOR).simulate(big, illuminant="D65", iso=100),
     )
     np.save(tmp_path / "r.npy", np.roll(big, (6, -10), axis=(0, 1)))
-    [found] = files.checked(
-        tmp_path, ["{file: a.dng, kind: scene, scene: r.npy}"]
-    ).integrities
-    assert (found.shift.down, found.shift.right) == pytest.approx((6, -10), abs=0.5)
-    assert "a diagnosis takes up 4 px" in found.complaints[0]
+    line = "{file: a.dng, kind: scene, scene: r.npy}"
+    _, sensor, frames, _ = read_frames(files.manifest(tmp_path, [line]))
+    for nuisances in ([], ["registration"]):
+        every = check(frames, sensor, nuisances=nuisances)
+        [found] = every.integrities
+        assert (found.shift.down, found.shift.right) == pytest.approx((6, -10), abs=0.5)
+        assert "a diagnosis takes up 4 px" in found.complaints[0]
+        said = any("add registration to nuisance" in one for one in every.complaints)
+        assert said == (not nuisances)
 
 
 @pytest.mark.parametrize(

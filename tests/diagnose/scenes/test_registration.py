@@ -2,6 +2,7 @@
 # Copyright Contributors to the cg2raw Project.
 """A render that lies elsewhere and is brighter is found, and is no effect."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -65,6 +66,14 @@ def test_a_render_too_far_from_its_capture_is_refused(down, nuisances):
     affine = np.array([[down, 0.0, 0.0], [0.0, 0.0, 0.0]])
     with pytest.raises(ValueError, match=r"px down, .* takes up 4 px|not correspond"):
         decided(*displaced(affine, nuisances))
+
+
+@pytest.mark.parametrize(("down", "is_refused"), [(-0.6, True), (0.1, False)])
+def test_a_render_beside_its_capture_needs_registration(down, is_refused):
+    affine = np.array([[down, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    refused = pytest.raises(ValueError, match="add registration to nuisance")
+    with refused if is_refused else nullcontext():
+        decided(*displaced(affine, frozenset({"exposure"})))
 
 
 def test_what_is_displaced_and_brighter_is_found():

@@ -14,6 +14,7 @@ from cg2raw import _core
 from cg2raw.cfa import repeat_of
 from cg2raw.diagnose.captures.capture import Capture
 from cg2raw.diagnose.captures.manifest import Frame
+from cg2raw.diagnose.captures.phase_correlation import misplaced_words
 from cg2raw.diagnose.captures.quality import (
     Integrity,
     integrity,
@@ -87,6 +88,9 @@ def check(
     for frame in frames:
         if frame.capture.means is not None:
             found[frame.capture.name] = of_means(frame.capture, sensor)
+    shifts = [i.shift for i in found.values() if i.shift is not None]
+    if "registration" not in nuisances and (words := misplaced_words(shifts)):
+        complaints.append(words)
     uniform = [i for i in found.values() if i.kind in ("dark", "flat")]
     words = codes.companded([(i.name, i.mean, i.spacing) for i in uniform])
     complaints += [words] if words else []

@@ -3,14 +3,20 @@
 
 """Correspondence: whether a render is one of what was captured."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from cg2raw.diagnose.captures.phase_correlation import far_words
+from cg2raw.diagnose.captures.phase_correlation import (
+    Shift,
+    far_words,
+    misplaced_words,
+    shift_between,
+)
 from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
 from cg2raw.diagnose.scenes.point import Point
-from cg2raw.diagnose.scenes.registration import Placement, first_guess
+from cg2raw.diagnose.scenes.registration import Placement, edges_of, first_guess
 
 LEAST_ALIKE = 0.5  # correlation of a capture and its render
 LEAST_USED = 0.01  # of the pixels of an image, between black and white
@@ -20,9 +26,10 @@ CONTRAST = 3.0  # standard deviations of noise, of an image that has any
 def check_correspondence(
     points: Iterable[Point], placements: Mapping[str, Placement]
 ) -> None:
-    """Refuse renders of something else than was captured or far from it, and images
-    that say nothing. placements : by set, where renders were found. Raises
-    ValueError."""
+    """Refuse renders of something else than was captured or beside it, and images that
+    say nothing. placements : by set, where renders were found if registration is a
+    nuisance. Raises ValueError."""
+    shifts: list[Shift] = []
     for point in points:
         view, used = point.view, point.root > 0
         name = view.frame.capture.name
@@ -54,3 +61,18 @@ def check_correspondence(
                     f"{name}: {far_words(*place)}: give the render of the same view "
                     "and crop"
                 )
+        if view.frame.capture.set not in placements:
+            shifts += shifts_of(point)
+    if words := misplaced_words(shifts):
+        raise ValueError(words)
+
+
+def shifts_of(point: Point) -> Iterator[Shift]:
+    """Yield by how much the render of each tile lies beside it, px."""
+    for signal, mean, root in zip(
+        point.view.signal, point.mean, point.root, strict=True
+    ):
+        pair = (edges_of(image, root > 0) for image in (signal, mean))
+        shift = shift_between(*pair)
+        if shift.correlation >= LEAST_ALIKE:
+            yield replace(shift, down=2 * shift.down, right=2 * shift.right)

@@ -281,13 +281,15 @@ class Scenes:
             self._sum()
 
     def _decide(self, say: Say) -> None:
+        is_free = "registration" in self.capture_set.nuisances
         if self.capture_set.nuisances & {"registration", "exposure", "white_balance"}:
             say("aligning renders with captures", 0.28)
             self._align()
         every = [
             v for v in self.views if v.frame.capture.shows.image and not v.is_table
         ]
-        check_correspondence(map(self.point, every), self.placements)
+        placements = self.placements if is_free else {}
+        check_correspondence(map(self.point, every), placements)
         self._fill_well()
         if self._calibrates:
             self._fit_noise()

@@ -90,7 +90,7 @@ def first_guess(measured: Array, predicted: Array, usable: Mask) -> Array:
     transform: one that is taken up, unless another has by far more. All (T, h, w)."""
     correlation: Array | float = 0.0
     for tile in range(len(predicted)):
-        a, b = (_edges_of(image[tile], usable[tile]) for image in (measured, predicted))
+        a, b = (edges_of(image[tile], usable[tile]) for image in (measured, predicted))
         product = fft.rfft2(a) * np.conj(fft.rfft2(b))
         correlation = correlation + fft.irfft2(product, a.shape)
     surface = np.asarray(correlation)
@@ -107,7 +107,7 @@ def first_guess(measured: Array, predicted: Array, usable: Mask) -> Array:
     return -2.0 * np.array([rows[row], columns[col]], float)
 
 
-def _edges_of(image: Array, usable: Mask) -> Array:
+def edges_of(image: Array, usable: Mask) -> Array:
     """Return an image halved, its slow part taken out: that and the borders of what is
     usable would lie best on each other where they are."""
     height, width = (n // 2 * 2 for n in image.shape)
