@@ -71,7 +71,7 @@ BAD = [
     ([dark("a.npy", ", set: s, group: fit"), dark("b.npy", ", set: s, group: report")],
      ':4: frames[1].group is "report", but that of set "s" in line 3 is "fit"', TOP),
     ([dark("a.npy", ", group: fit"), dark("b.npy", ", group: select")],
-     'no frame is left for the group "report"', TOP),
+     'leaves no frame for the group "report"', TOP),
     ([A], 'captures.yaml:1: sensor is "nikon"', "sensor: nikon"),
     ([A], 'sensor is "./x.json"', "sensor: ./x.json"),
     ([A], 'sensor is "cut.dng"', "sensor: cut.dng"),

@@ -165,7 +165,7 @@ def check_groups(frames: Sequence[Frame], captures: Sequence[Capture]) -> None:
             declared = next(frame.entry for frame in frames if frame.entry.group)
             declared.fail(
                 "group",
-                f'no frame is left for the group "{group}": give one to each of '
+                f'leaves no frame for the group "{group}": give one to each of '
                 f"{', '.join(GROUPS)}, or leave group out",
             )
 
