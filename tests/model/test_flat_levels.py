@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import cg2raw
-from cg2raw.model.dark_levels import BLACK
+from cg2raw.model.dark_levels import BLACK, DRIFT
 from cg2raw.model.fit import fit
 from cg2raw.model.flat_levels import (
     FREE,
@@ -221,6 +221,20 @@ def test_a_black_level_that_is_doubted_may_be_off_by_as_much_as_white():
     one_site = np.kron(np.eye(4), np.ones((2, 2)))
     expected = one_site * 100.0**2 / np.outer(light, light)
     assert doubted - known == pytest.approx(expected)
+
+
+def test_a_drift_that_is_doubted_moves_all_sites_of_a_frame_by_the_read_noise():
+    found = fit(planted(3, side=2, shape=(64, 80)).statistics)
+    planes = found.likelihood.planes
+    is_flat = planes[0].is_flat
+    predicted = np.tile(np.where(is_flat, 1.0, np.nan), (4, 1))
+    known, doubted = (
+        levels_of(found, predicted, doubted=one).covariance for one in ([], [DRIFT])
+    )
+    light = np.concatenate([p.light[is_flat] for p in planes])
+    read = found.theta[found.parameters.each("read_noise")].mean()
+    one_frame = np.kron(np.ones((4, 4)), np.diag(read / planes[0].frames[is_flat]))
+    assert doubted - known == pytest.approx(one_frame / np.outer(light, light))
 
 
 def test_cameras_share_colours_as_bundled_sensors_do():

@@ -24,7 +24,7 @@ from cg2raw.model.amplifier_mismatch import (
     amplifier_mismatch,
     unit_of,
 )
-from cg2raw.model.dark_levels import BLACK, LEVELS
+from cg2raw.model.dark_levels import BLACK, DRIFT, LEVELS
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit, gain_of
 from cg2raw.model.flat_levels import MATRIX, FlatLevels, flat_levels, levels_set
@@ -203,6 +203,8 @@ def darks_and_flats(
     # those of both splits alike.
     doubted = {*OF_LENS} & found.gains.keys() - {*named} | {MATRIX}
     doubted |= {BLACK} if both.is_flat.all() else set()
+    is_known = together.known[together.parameters.of(DRIFT)]
+    doubted |= set() if is_known else {DRIFT}
     may_be = {*every_name()} if names is None else {*names}
     moved = {name: {*of_levels.alike[name]} & may_be for name in needed}
     for other in sorted(doubted & may_be, reverse=True) if needed else ():

@@ -13,7 +13,7 @@ from itertools import permutations
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.model.dark_levels import BLACK
+from cg2raw.model.dark_levels import BLACK, DRIFT
 from cg2raw.model.fit import Fit
 from cg2raw.model.levels import CUT
 from cg2raw.model.mean_images import low_of, middle_of
@@ -194,9 +194,10 @@ def flat_levels(
     off towards the corners, levels are those of the middle of the frame. doubted : what
     is too weak to be named or not shown, and may be there: light that falls off by the
     square of the distance from the middle; a black level of each site that may be
-    anything; a colour matrix, which shows where flats are not grey. shaded : (sites,)
-    the mean of a stated shading, which mean images lack, over that in the middle. greys
-    : as @predicted, of grey light; 1 of each without."""
+    anything; one that drifts by the read noise from frame to frame; a colour matrix,
+    which shows where flats are not grey. shaded : (sites,) the mean of a stated
+    shading, which mean images lack, over that in the middle. greys : as @predicted, of
+    grey light; 1 of each without."""
     predicted = predicted * shaded[:, None]
     planes = found.likelihood.planes
     is_cut = np.any([plane.plane.high > CUT for plane in planes], axis=0)
@@ -224,6 +225,9 @@ def flat_levels(
     covariance += of_sites * blacks[np.ix_(site, site)]
     if BLACK in doubted:
         covariance += of_sites * np.equal.outer(site, site) * white**2
+    if DRIFT in doubted:
+        read = found.theta[found.parameters.each("read_noise")].mean()
+        covariance += of_sites * one_light * read / frames[flat]
     if MATRIX in doubted:
         mixed = MATRIX_SHARE * _mixed(predicted / greys[:, groups], letters)
         covariance += mixed.T @ mixed
@@ -312,7 +316,7 @@ def levels_set(
         if CROSSTALK in names:
             first = sum(CHANGES[one][0] for one in names[: names.index(CROSSTALK)])
             own = slice(first, first + CHANGES[CROSSTALK][0])
-            variances = np.diagonal(trained[1])[own]
+            variances = np.maximum(np.diagonal(trained[1])[own], 0.0)
             if (trained[0][own] < -np.sqrt(2 * least * variances) - LEAST_ERROR).any():
                 return -np.inf
         return validation.value(names, *trained)

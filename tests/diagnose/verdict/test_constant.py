@@ -241,6 +241,15 @@ def test_flats_alone_do_not_tell_light_from_the_black_level(levels):
             assert alike and all("black_level" in others for others in alike.values())
 
 
+def test_levels_of_single_flats_without_darks_may_drift():
+    hidden = draw_hidden(drawn_sensor(8), {"black_level_drift": 0.43}, seed=8)
+    captures = simulate_captures(drawn_sensor(8), hidden, seed=8, shape=(80, 96))
+    kept = [one for one in captures.captures if one.kind == "flat"]
+    found = diagnose(replace(captures, captures=kept), details=False)
+    assert all("black_level_drift" in one.ambiguous_with for one in found.effects)
+    assert found.effects
+
+
 @pytest.mark.parametrize(
     ("hidden", "told"),
     [
