@@ -62,6 +62,7 @@ DIAGNOSE = (
     "cg2raw.diagnose.effects",
     "cg2raw.diagnose.stated_shapes",
     "cg2raw.diagnose.uniform_frames",
+    "cg2raw.diagnose.levels_of_flats",
     "cg2raw.diagnose.darks_and_flats",
     "cg2raw.diagnose.workers",
     "cg2raw.diagnose.scenes",

@@ -11,11 +11,11 @@ from functools import cached_property
 
 import numpy as np
 
-from cg2raw.cfa import sites_of
-from cg2raw.diagnose.captures.capture import Capture, CaptureSet
+from cg2raw.diagnose.captures.capture import CaptureSet
 from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.effects.catalogue import names as every_name
 from cg2raw.diagnose.effects.registry import listed_parameters
+from cg2raw.diagnose.levels_of_flats import LevelsOfFlats, doubts_of
 from cg2raw.diagnose.stated_shapes import StatedShapes
 from cg2raw.diagnose.uniform_frames import UniformFrames, uniform_frames
 from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
@@ -24,10 +24,10 @@ from cg2raw.model.amplifier_mismatch import (
     amplifier_mismatch,
     unit_of,
 )
-from cg2raw.model.dark_levels import BLACK, DRIFT, LEVELS
+from cg2raw.model.dark_levels import LEVELS
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, fit, gain_of
-from cg2raw.model.flat_levels import MATRIX, FlatLevels, flat_levels, levels_set
+from cg2raw.model.flat_levels import FlatLevels
 from cg2raw.model.full_well import NAME as WELL
 from cg2raw.model.full_well import FullWell
 from cg2raw.model.lags import NAMES as SHARED
@@ -36,10 +36,9 @@ from cg2raw.model.profile_values import (
     OF_EFFECTS,
     profile_lags,
 )
-from cg2raw.model.selection import LAMP, OF_LENS, Selection, selection
+from cg2raw.model.selection import LAMP, Selection, selection
 from cg2raw.model.shapes import shapes
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
-from cg2raw.model.smallest_set import SmallestSet
 from cg2raw.model.values import Value, effect_values
 from cg2raw.normal import FEWEST_COUNT
 from cg2raw.sensor import Sensor
@@ -48,6 +47,14 @@ from cg2raw.statistics.constant import Array, ConstantStatistics
 TRAINING, VALIDATION, TEST = GROUPS
 NOISE_TABLE = ("read_noise", "shot_noise")  # what a profile without noise says not
 LARGER = "take frames at a gain at which noise is half a code or more"
+ONE_FLAT = (
+    "Flats differ in shape by more than their noise: mains flicker, or a lamp or lens "
+    "that moved, is in no finding; take two flats of each split, which tell."
+)
+TWO_CODES = (
+    "Darks have two codes, or hardly a pixel another: the share of each tells noise or "
+    "the black level, which is taken from the profile; take darks at a higher gain."
+)
 
 
 class WithinCode(ValueError):
@@ -90,10 +97,9 @@ class DarksAndFlats:
     def levels_of(
         self, statistics: ConstantStatistics, fit: Fit, named: Collection[str] = ()
     ) -> FlatLevels | None:
-        """Return the levels of flats of some groups. named : as of levels_of."""
-        return levels_of(
-            self.captures, self.frames, statistics, fit, named, self.stated
-        )
+        """Return the levels of flats of some groups. named : as of LevelsOfFlats."""
+        flats = LevelsOfFlats(self.captures, self.frames, self.stated)
+        return flats.of(statistics, fit, named)
 
 
 def darks_and_flats(
@@ -138,24 +144,16 @@ def darks_and_flats(
     for statistics in splits:
         say("fitting darks and flats", 0.65 + 0.05 * len(fits))
         fits.append(fit(statistics, usual))
-    if not (fits[0].known & fits[1].known)[lamp].any() and lamp.any():
-        if gain_of(lamp, together.theta, together, profile, least) > least:
-            notes.append(
-                "Flats differ in shape by more than their noise: mains flicker, or a "
-                "lamp or lens that moved, is in no finding; take two flats of each "
-                "split, which tell."
-            )
     if not all(one.is_settled for one in fits):
         raise WithinCode(
             f"{frames.captures[0].name}: noise lies within a code, and what codes hide "
             f"of these frames has several explanations; {LARGER}"
         )
+    is_shown = (fits[0].known & fits[1].known)[lamp].any() or not lamp.any()
+    if not is_shown and gain_of(lamp, together.theta, together, profile, least) > least:
+        notes.append(ONE_FLAT)
     if both.dark_codes == 2:
-        notes.append(
-            "Darks have two codes, or hardly a pixel another: the share of each tells "
-            "noise or the black level, which is taken from the profile; take darks at "
-            "a higher gain."
-        )
+        notes.append(TWO_CODES)
     say("dropping each name", 0.75)
     hot = listed_parameters(sensor, "hot_pixels")
     of_shapes = shapes(
@@ -184,36 +182,17 @@ def darks_and_flats(
         allowed,
         together,
     )
-
-    def names_of_levels(
-        some: Sequence[tuple[ConstantStatistics, Fit]], doubted: Collection[str]
-    ) -> SmallestSet:
-        each = [
-            levels_of(captures, frames, *one, named, stated, doubted) for one in some
-        ]
-        if each[0] is None or each[1] is None:
-            return SmallestSet({}, {})
-        return levels_set(each[0], each[1], least)
-
-    named = found.kept(least)
-    of_levels = names_of_levels([*zip(splits, fits, strict=True)], ())
+    named, may_be = found.kept(least), {*(every_name() if names is None else names)}
+    of_levels = LevelsOfFlats(captures, frames, stated).names_in_doubt(
+        [*zip(splits, fits, strict=True)],
+        (both, together),
+        named,
+        least,
+        doubts_of(found.gains, named, both, together) & may_be,
+    )
     gains, alike = {**found.gains, **of_levels.gains}, dict(found.alike)
-    needed = {name for name, gain in of_levels.gains.items() if gain > least}
-    # What is too little to be named, or what such frames do not show, may move levels,
-    # those of both splits alike.
-    doubted = {*OF_LENS} & found.gains.keys() - {*named} | {MATRIX}
-    doubted |= {BLACK} if both.is_flat.all() else set()
-    is_known = together.known[together.parameters.of(DRIFT)]
-    doubted |= set() if is_known else {DRIFT}
-    may_be = {*every_name()} if names is None else {*names}
-    moved = {name: {*of_levels.alike[name]} & may_be for name in needed}
-    for other in sorted(doubted & may_be, reverse=True) if needed else ():
-        again = names_of_levels([(both, together)] * 2, [other]).gains
-        left = {name for name, gain in again.items() if gain > least}
-        for name in needed - left if left < needed else ():
-            if not (other == OF_LENS[1] and OF_LENS[0] in moved[name]):
-                moved[name].add(other)
-    alike |= {name: (*alike.get(name, ()), *sorted(moved[name])) for name in needed}
+    for name, others in of_levels.alike.items():
+        alike[name] = (*alike.get(name, ()), *sorted({*others} & may_be))
     if frames.well is not None:
         gains[WELL] = _nats_of_well(frames.well, sensor)
     if amplifiers.errors:
@@ -290,60 +269,3 @@ def untested(sensor: Sensor) -> set[str]:
     tested = {*OF_EFFECTS, *NOISE_TABLE, *SHARED, WELL, MISMATCH}
     tested |= {"black_level", "hot_pixels"}
     return stated - tested | stated & {"dark_current_nonuniformity"}
-
-
-def levels_of(
-    captures: CaptureSet,
-    frames: UniformFrames,
-    statistics: ConstantStatistics,
-    found: Fit,
-    named: Collection[str],
-    stated: StatedShapes,
-    doubted: Collection[str] = (),
-) -> FlatLevels | None:
-    """Return the levels of flats; None if there are none of known light, and of parts
-    of frames, which light that falls off reaches by less.
-
-    statistics : of some of the frames, without the shapes that are stated. found :
-    their fit. named, doubted : as of flat_levels."""
-    if frames.are_divided:
-        return None
-    sensor = captures.sensor
-    predicted, greys = predicted_of(frames.captures, statistics, sensor)
-    return flat_levels(
-        found,
-        predicted,
-        sites_of(sensor.cfa),
-        white=sensor.signal_range,
-        light=captures.uncertainty.get("light", 0.0),
-        nuisances=captures.nuisances,
-        named=named,
-        doubted=doubted,
-        shaded=stated.mean,
-        greys=greys,
-    )
-
-
-def predicted_of(
-    captures: Sequence[Capture], statistics: ConstantStatistics, sensor: Sensor
-) -> tuple[Array, Array]:
-    """Return (sites, G) DN above black that a profile predicts of flats, nan of darks
-    and 0 where the light is not known, and those of grey light that is white, 1 where
-    there is none."""
-    by_name = {capture.name: capture for capture in captures}
-    letters, white = sites_of(sensor.cfa), sensor.signal_range
-    found = np.full((len(letters), len(statistics.groups)), np.nan)
-    greys = np.ones_like(found)
-    places = ["RGB".index(letter) if letter in "RGB" else 1 for letter in letters]
-    for g, info in enumerate(statistics.groups):
-        capture = by_name[info.frames[0]]
-        if info.kind != "flat":
-            continue
-        if capture.scene is None:
-            found[:, g] = 0.0
-            continue
-        rgb = np.array([[capture.scene(), (1.0, 1.0, 1.0)]], np.float32)
-        light = sensor.illuminant(capture.illuminant, capture.as_shot)
-        camera = sensor.to_camera(rgb, illuminant=light, highlights=False)[0] * white
-        found[:, g], greys[:, g] = camera[:, places]
-    return found, greys

@@ -6,7 +6,7 @@
 import os
 import time
 from collections.abc import Callable, Collection
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,6 +31,20 @@ from cg2raw.sensor import Sensor
 
 Progress = Callable[[str, float], None]
 OF_DARKS = 0.3  # of the progress of darks, flats and images
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """As of diagnose(). names : which may be named. deadline : of time.monotonic()."""
+
+    alpha: float
+    most: int
+    names: frozenset[str]
+    threads: int
+    pixels: int | None
+    details: bool
+    deadline: float | None
+    statistics: str | os.PathLike[str] | None
 
 
 @one_blas_thread
@@ -71,9 +85,45 @@ def diagnose(
     if not 0 < alpha < 1:
         raise ValueError(f"alpha {alpha} must lie between 0 and 1")
     started = time.monotonic()
+    settings = Settings(
+        alpha=alpha,
+        most=most,
+        names=_names(capture_set, without, only),
+        threads=threads,
+        pixels=pixels,
+        details=details,
+        deadline=None if time_limit is None else started + time_limit,
+        statistics=statistics,
+    )
     say = progress or (lambda text, share: None)
-    deadline = None if time_limit is None else started + time_limit
-    names = _names(capture_set, without, only)
+    try:
+        found = _diagnosis_of(capture_set, settings, say)
+    except WithinCode as error:
+        rest = [one for one in capture_set.captures if one.kind != "dark"]
+        if statistics or not 0 < len(rest) < len(capture_set.captures):
+            raise
+        found = _diagnosis_of(
+            replace(capture_set, captures=rest),
+            settings,
+            lambda text, share: say(text, OF_DARKS + (1 - OF_DARKS) * share),
+        )
+        found = replace(found, notes=[f"Darks are left out: {error}.", *found.notes])
+    say("done", 1.0)
+    return replace(found, seconds=time.monotonic() - started)
+
+
+def _diagnosis_of(
+    capture_set: CaptureSet, settings: Settings, say: Progress
+) -> Diagnosis:
+    """Return what all captures say. Raises WithinCode if darks among them say nothing
+    for their codes."""
+    names, deadline = settings.names, settings.deadline
+    uniform = [one.is_uniform for one in capture_set.captures]
+    is_all = all(uniform)
+    if settings.statistics and not any(uniform):
+        raise ValueError(
+            f"{settings.statistics}: statistics are of darks and flats: none here"
+        )
 
     def said(text: str, share: float) -> None:
         if deadline is not None and time.monotonic() > deadline:
@@ -81,12 +131,8 @@ def diagnose(
         say(text, share if is_all else OF_DARKS * share)
 
     def said_of_images(text: str, share: float) -> None:
-        say(text, OF_DARKS + (1 - OF_DARKS) * share if constant else share)
+        say(text, OF_DARKS + (1 - OF_DARKS) * share if any(uniform) else share)
 
-    constant = [c for c in capture_set.captures if c.is_uniform]
-    if statistics and not constant:
-        raise ValueError(f"{statistics}: statistics are of darks and flats: none here")
-    is_all = len(constant) == len(capture_set.captures)
     lit = of_images() | ({FLICKER} if is_shown(capture_set.captures) else set())
     doubted = capture_set.nuisances  # light that is not known may have ramps and steps
     offsets = {FILTER} if doubted else of_means() | {GLOW}
@@ -95,41 +141,27 @@ def diagnose(
     notes: list[str] = []
     has_both = False
     shown: frozenset[str] = frozenset()
-    if constant:
+    if any(uniform):
+        own, free = (names, frozenset[str]()) if is_all else (names - lit, lit)
         try:
             with raised():
-                own = names if is_all else names - lit
-                seen = darks_and_flats(capture_set, alpha, own, said, statistics)
-                free = frozenset() if is_all else lit
+                seen = darks_and_flats(
+                    capture_set, settings.alpha, own, said, settings.statistics
+                )
                 shown = seen.shown
-                found = diagnosis_of(seen, own, most == 0, free, details)
+                is_judged = settings.most == 0
+                found = diagnosis_of(seen, own, is_judged, free, settings.details)
         except (KeyboardInterrupt, TimeIsUp) as ended:
             interrupted = isinstance(ended, KeyboardInterrupt)
             found = unfinished(capture_set, interrupted=interrupted)
         except ValueError as error:
-            rest = [c for c in capture_set.captures if c.kind != "dark"]
-            is_of_darks = 0 < len(rest) < len(capture_set.captures)
-            if isinstance(error, WithinCode) and is_of_darks and not statistics:
-                found = diagnose(
-                    replace(capture_set, captures=rest),
-                    alpha=alpha,
-                    most=most,
-                    without=without,
-                    only=only,
-                    progress=said_of_images,
-                    threads=threads,
-                    pixels=pixels,
-                    details=details,
-                    time_limit=deadline and max(deadline - time.monotonic(), 0.0),
-                )
-                notes.append(f"Darks are left out: {error}.")
-                return replace(found, notes=[*notes, *found.notes])
-            if is_all or statistics:
+            has_darks = any(one.kind == "dark" for one in capture_set.captures)
+            are_left_out = isinstance(error, WithinCode) and has_darks
+            if is_all or settings.statistics or are_left_out:
                 raise
             notes.append(f"Darks and flats decide nothing: {error}.")
         if found and (is_all or found.verdict == "incomplete"):
-            say("done", 1.0)
-            return _finished(found, names - shown, capture_set, started)
+            return _finished(found, names - shown, capture_set)
         if found:
             used = [*seen.frames.captures, *seen.frames.spoiled]
             images = with_images_alone(capture_set, found, seen.frames.masked, used)
@@ -137,29 +169,18 @@ def diagnose(
             has_both = {"dark", "flat"} <= kinds
             decided = shown if "dark" in kinds else shown - of_means()
             asked -= (decided | {one.name for one in found.effects}) - lit
-    workers = Workers(threads, deadline)
-    second = _of_images(
-        images,
-        asked,
-        alpha,
-        most,
-        said_of_images,
-        workers,
-        pixels,
-        details,
-        found is not None or most == 0,
-    )
-    say("done", 1.0)
+    is_noise_known = found is not None or settings.most == 0
+    second = _of_images(images, asked, settings, said_of_images, is_noise_known)
     whole = second if found is None else together(found, second, not has_both)
     whole = replace(whole, notes=[*notes, *whole.notes])
-    return _finished(whole, names - shown - lit | asked, capture_set, started)
+    return _finished(whole, names - shown - lit | asked, capture_set)
 
 
 def _finished(
-    found: Diagnosis, names: Collection[str], capture_set: CaptureSet, started: float
+    found: Diagnosis, names: Collection[str], capture_set: CaptureSet
 ) -> Diagnosis:
-    """Return a diagnosis with its seconds, and with a limit, of None, of each effect
-    that might have been named and that no frame shows."""
+    """Return a diagnosis with its units, and with a limit, of None, of each effect that
+    might have been named and that no frame shows."""
     told = {one.name for one in found.effects}
     told |= {one.name for one in found.detection_limits}
     unseen = [
@@ -181,7 +202,6 @@ def _finished(
         detection_limits=[*found.detection_limits, *unseen],
         white_dn=white,
         electrons_per_dn=1 / shot if shot > 0 else None,
-        seconds=time.monotonic() - started,
     )
 
 
@@ -199,28 +219,24 @@ def _names(
 def _of_images(
     capture_set: CaptureSet,
     names: Collection[str],
-    alpha: float,
-    most: int,
+    settings: Settings,
     say: Progress,
-    workers: Workers,
-    pixels: int | None,
-    details: bool,
     is_noise_known: bool,
 ) -> Diagnosis:
     """Return what scenes, charts and flats of known light show.
 
     names : which may be named. is_noise_known : by darks and flats."""
-    frames = read_frames(capture_set, noise_models(capture_set), pixels, say)
+    frames = read_frames(capture_set, noise_models(capture_set), settings.pixels, say)
     measured = all(f.noise.measured for f in frames if f.samples is None)
     found = decide(
         capture_set,
         frames,
         names,
-        alpha=alpha,
-        most=most,
+        alpha=settings.alpha,
+        most=settings.most,
         fits_noise=not (is_noise_known and measured),
-        workers=workers,
+        workers=Workers(settings.threads, settings.deadline),
         say=say,
     )
     say("writing down what was found", 0.92)
-    return diagnosis_of_images(found, details)
+    return diagnosis_of_images(found, settings.details)

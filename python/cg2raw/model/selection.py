@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cg2raw.model.dark_levels import LEVELS, DarkLevels
+from cg2raw.model.dark_levels import DRIFT, LEVELS, DarkLevels
 from cg2raw.model.evaluation import Parameters
 from cg2raw.model.fit import Fit, Prior, gain_of
 from cg2raw.model.lags import FILTER, Blended, Lags, lag_gains
@@ -144,47 +144,73 @@ def selection(
             of_spots = Prior(at, profile[at], shapes.corners**2 * np.eye(len(at)))
             if gain_of(own, values[0], validation, profile, least, of_spots) < least:
                 alike = {**alike, name: (*alike.get(name, ()), DUST)}
-    levels = {name: places[name] for name in LEVELS if name in places}
-    pair = training, validation
-    if "black_level_drift" not in levels and together is not None:
-        pair = together, together
-        each = _places_of(parameters, together.known)
-        levels = {name: each[name] for name in LEVELS if name in each}
-    unsure: Mapping[str, float] = {}
-    if "black_level_drift" not in levels:
-        levels = {}  # nothing says how far levels may be off: it could be any of them
-    else:
-        is_stated = "bias_structure" in allowed
-        of_darks = DarkLevels(
-            levels,
-            *pair,
-            profile,
-            shapes.dark_median,
-            is_structured=is_stated or gains.get("bias_structure", 0.0) > least,
-            glows=gains.get("amplifier_glow", 0.0) > least,
-        )
+    is_structured = "bias_structure" in allowed
+    is_structured |= gains.get("bias_structure", 0.0) > least
+    glows = gains.get("amplifier_glow", 0.0) > least
+    of_darks = _dark_levels(
+        training, validation, together, profile, shapes, is_structured, glows
+    )
+    if of_darks is not None:
         gains |= of_darks.gains(least)
-        unsure = of_darks.unsure
     gains |= {name: shape.nats for name, shape in shapes.found.items()}
     if "read_noise" in gains:
-        variance = float(profile[places["read_noise"]].mean())
-        variance *= 1.0 if blended is None else blended.left
-        if gains.get(JUMPS, 0.0) > least:
-            of_core = shapes.read_noise(variance, shapes.cores)
-            gains["read_noise"] = of_core or gains["read_noise"]
-        if gains.get(TAILS, 0.0) > least:
-            of_tails = _nats_with_tails(
-                validation, places["read_noise"], variance, shapes
-            )
-            gains["read_noise"] = min(of_tails, gains["read_noise"])
+        left = 1.0 if blended is None else blended.left
+        own = places["read_noise"]
+        gains["read_noise"] = _nats_of_core(
+            gains, validation, own, left * float(profile[own].mean()), shapes, least
+        )
     dust = shapes.found.get(DUST)
     unnamed = {SPOTS: dust.unlike} if dust is not None and dust.unlike > 0 else {}
     for name in UNNAMED:
         own = parameters.are([name]) & known
         if own.any():
             unnamed[name] = gain_of(own, training.theta, validation, profile, least)
-    of_levels = tuple(levels)
-    return Selection(gains, training, validation, unnamed, unsure, of_levels, alike)
+    unsure = {} if of_darks is None else of_darks.unsure
+    levels = () if of_darks is None else tuple(of_darks.places)
+    return Selection(gains, training, validation, unnamed, unsure, levels, alike)
+
+
+def _dark_levels(
+    training: Fit,
+    validation: Fit,
+    together: Fit | None,
+    profile: Array,
+    shapes: Shapes,
+    is_structured: bool,
+    glows: bool,
+) -> DarkLevels | None:
+    """Return the levels of darks; None where nothing says how far they may be off: they
+    could be any of LEVELS. Arguments: as of selection() and DarkLevels."""
+    pairs = [(training, validation)]
+    pairs += [] if together is None else [(together, together)]
+    for pair in pairs:
+        each = _places_of(pair[0].parameters, pair[0].known & pair[1].known)
+        levels = {name: each[name] for name in LEVELS if name in each}
+        if DRIFT in levels:
+            median = shapes.dark_median
+            return DarkLevels(
+                levels, *pair, profile, median, is_structured=is_structured, glows=glows
+            )
+    return None
+
+
+def _nats_of_core(
+    gains: Mapping[str, float],
+    validation: Fit,
+    own: NDArray[np.bool_],
+    variance: float,
+    shapes: Shapes,
+    least: float,
+) -> float:
+    """Return the nats of read noise: of its core where there are jumps or tails.
+
+    own : (n,), its parameters. variance : DN^2, of the profile."""
+    found = gains["read_noise"]
+    if gains.get(JUMPS, 0.0) > least:
+        found = shapes.read_noise(variance, shapes.cores) or found
+    if gains.get(TAILS, 0.0) > least:
+        found = min(_nats_with_tails(validation, own, variance, shapes), found)
+    return found
 
 
 def _nats_with_tails(
