@@ -185,7 +185,8 @@ def shift_words(shift: "Shift | None") -> str:
     """Return how a render lies on its capture."""
     if shift is None:
         return "-"
-    return f"{shift.down:+.2f} {shift.right:+.2f} px, corr. {shift.correlation:.2f}"
+    place = f"{shift.down:+.2f} {shift.right:+.2f} px, " if shift.is_told else ""
+    return f"{place}corr. {shift.correlation:.2f}"
 
 
 def columns(rows: Sequence[Sequence[str]]) -> list[str]:

@@ -9,6 +9,7 @@ from scipy.ndimage import shift as moved
 
 from cg2raw.diagnose.captures.phase_correlation import (
     Shift,
+    likeness,
     misplaced_words,
     shift_between,
     vertex,
@@ -76,3 +77,20 @@ def test_a_peak_is_that_of_a_gaussian():
         line = np.exp(-(away**2) / 2)
         assert peak + vertex(line, peak) == pytest.approx(at, abs=1e-9)
     assert vertex(np.ones(8), 3) == 0.0
+
+
+@pytest.mark.parametrize("noise", [0.1, 1.0, 2.5])
+def test_likeness_is_the_correlation_over_what_noise_leaves(noise):
+    rng = np.random.default_rng(1)
+    render, other, chance = rng.standard_normal((3, 300, 400))
+    capture = 5 + render + noise * chance
+    assert likeness(capture, render, noise) == pytest.approx(1.05, abs=0.06)
+    assert likeness(capture, other, noise) < 0.2
+
+
+def test_a_render_without_contrast_is_like_a_capture_that_has_none():
+    noise = np.random.default_rng(1).standard_normal((300, 400))
+    flat = np.full(noise.shape, 2.0)
+    assert likeness(flat + noise, flat, 1.0) == 1.0
+    assert likeness(flat + 4 * noise, flat, 1.0) == 0.0
+    assert likeness(flat, flat + noise, 0.1) < 0.1

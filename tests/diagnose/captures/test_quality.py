@@ -65,6 +65,31 @@ def test_a_render_that_is_shifted(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("iso", "light", "contrast", "corner"),
+    [(3200, 0.01, 1.6, 1), (3200, 0.001, 1.6, 1), (100, 1, 0.1, 1), (100, 1, 0.1, 0.5)],
+)
+def test_a_render_with_less_contrast_than_its_capture(
+    tmp_path, iso, light, contrast, corner
+):
+    """Noise has more of dim scenes, and vignetting of a wall."""
+    scene = light * (0.25 + contrast * 0.25 * (files.picture((192, 256)) - 0.475))
+    scene = scene * np.linspace(1, 1.3, 256)[:, None]
+    falloff = np.linspace(1, corner, 256)[:, None]
+    raw = cg2raw.Sensor(files.SENSOR).simulate(
+        (scene * falloff).astype(np.float32), illuminant="D65", iso=iso
+    )
+    cg2raw.write_dng(tmp_path / "a.dng", raw)
+    complaints = {}
+    for turned in (1, -1):
+        np.save(tmp_path / "r.npy", scene[::turned, ::turned].astype(np.float32))
+        line = "{file: a.dng, kind: scene, scene: r.npy}"
+        found = files.checked(tmp_path, [line])
+        complaints[turned] = [*found.complaints, *found.integrities[0].complaints]
+    assert not complaints[1]
+    assert bool(complaints[-1]) == (light == 1)  # else noise hides which way up it is
+
+
+@pytest.mark.parametrize(
     ("kind", "value", "words"),
     [
         ("dark", 500, "all pixels are 500 DN: holds no picture"),

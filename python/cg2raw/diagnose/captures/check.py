@@ -17,9 +17,9 @@ from cg2raw.diagnose.captures.manifest import Frame
 from cg2raw.diagnose.captures.phase_correlation import misplaced_words
 from cg2raw.diagnose.captures.quality import (
     Integrity,
+    beside_render,
     integrity,
     of_means,
-    registration,
     step_of,
     with_noise_remarks,
 )
@@ -89,6 +89,7 @@ def check(
         if frame.capture.means is not None:
             found[frame.capture.name] = of_means(frame.capture, sensor)
     shifts = [i.shift for i in found.values() if i.shift is not None]
+    shifts = [one for one in shifts if one.is_told]
     if "registration" not in nuisances and (words := misplaced_words(shifts)):
         complaints.append(words)
     uniform = [i for i in found.values() if i.kind in ("dark", "flat")]
@@ -105,14 +106,14 @@ def of_pictures(
     for number, capture in enumerate(series):
         raw = capture.raw()
         counts = _core.code_counts(raw, 1, excluded_of(capture))
-        shift = None
+        render = None
         if (
             capture.shows.render
             and capture.scene
             and (scene := capture.scene()).ndim == 3
         ):
-            shift = registration(raw, scene, capture, sensor)
-        found.append(integrity(capture, sensor, counts, shift))
+            render = beside_render(raw, scene, capture, sensor)
+        found.append(integrity(capture, sensor, counts, render))
         tell((number + 1) / len(series))
     levels, errors = np.array([(one.mean, one.error) for one in found]).T
     names = [capture.name for capture in series]

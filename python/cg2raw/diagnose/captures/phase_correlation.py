@@ -8,13 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
 
 from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
 
 # Of the Gaussian that a shift's peak becomes, cells: wide enough for its three highest
 # samples to be above the noise, narrow enough for two peaks to stay apart.
 PEAK_SIGMA = 1.0
-
+SLOW = 3.0  # cells; what is slower does not say where edges lie
+LEAST_ALIKE = 0.5  # correlation of a capture and its render, of what noise leaves of it
+CONTRAST = 3.0  # standard deviations of noise, of an image that has any; of chance
 
 # px, the median of a set's renders: of 1,800 that lay right, with whatever effect, one
 # had 0.2, and one whose lines jitter 0.4.
@@ -31,6 +34,11 @@ class Shift:
     down: float
     right: float
     correlation: float
+
+    @property
+    def is_told(self) -> bool:
+        """Whether both are alike enough for this to be where the second lies."""
+        return self.correlation >= LEAST_ALIKE
 
 
 def shift_between(first: NDArray[np.floating], second: NDArray[np.floating]) -> Shift:
@@ -83,15 +91,48 @@ def correlation_at(
     first: NDArray[np.floating], second: NDArray[np.floating], down: int, right: int
 ) -> float:
     """Return the correlation of what two planes share when the second is moved back."""
+    return correlation(*shared(first, second, down, right))
+
+
+def shared(
+    first: NDArray[np.floating], second: NDArray[np.floating], down: int, right: int
+) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+    """Return what two planes share when the second is moved back."""
     height, width = first.shape
     a = first[max(-down, 0) : height - max(down, 0), max(-right, 0) :]
-    a = a[:, : width - abs(right)]
     b = second[max(down, 0) : height - max(-down, 0), max(right, 0) :]
-    b = b[:, : width - abs(right)]
+    return a[:, : width - abs(right)], b[:, : width - abs(right)]
+
+
+def correlation(a: NDArray[np.floating], b: NDArray[np.floating]) -> float:
+    """Return the correlation of two images; 0 if one has no contrast."""
     if np.ptp(a) == 0 or np.ptp(b) == 0:
         return 0.0
     a, b = a - a.mean(dtype=np.float64), b - b.mean(dtype=np.float64)
     return float((a * b).sum() / np.sqrt((a * a).sum() * (b * b).sum()))
+
+
+def likeness(
+    signal: NDArray[np.floating], mean: NDArray[np.floating], noise: float
+) -> float:
+    """Return the correlation of a capture with its render over the most that it can
+    have: noise, and all else that a render lacks, leave the share of its contrast in
+    that of the capture. 1 or more where there is too little to tell.
+
+    signal, mean : the same pixels of both. noise : standard deviation of signal."""
+    if mean.std() < noise / CONTRAST:
+        return 0.0 if signal.std() > CONTRAST * noise else 1.0
+    most = min(mean.std() / max(signal.std(), 1e-30), 1.0)
+    return float((correlation(signal, mean) + CONTRAST / np.sqrt(mean.size)) / most)
+
+
+def edges(
+    image: NDArray[np.floating], usable: NDArray[np.bool_]
+) -> NDArray[np.floating]:
+    """Return an image without its slow part, 0 where it is not usable."""
+    weight = gaussian_filter(usable.astype(float), SLOW)
+    slow = gaussian_filter(np.where(usable, image, 0), SLOW) / np.maximum(weight, 1e-9)
+    return np.where(usable, image - slow, 0)
 
 
 def misplaced_words(shifts: Sequence[Shift]) -> str:
@@ -106,6 +147,15 @@ def misplaced_words(shifts: Sequence[Shift]) -> str:
         f"renders are {down:+.1f} px down, {right:+.1f} px right of their captures, in "
         "the median: add registration to nuisance, which takes up "
         f"{LARGEST_SHIFT:g} px, or effects would be named for it"
+    )
+
+
+def unlike_words(alike: float) -> str:
+    """Return what is said of a render of something else. alike : as of likeness."""
+    return (
+        f"the scene does not correspond to the capture: they correlate by {alike:.2f} "
+        f"of what noise leaves, and {LEAST_ALIKE} is the least: is it the render of "
+        "this frame, of the same view and crop, and are both the same way up?"
     )
 
 

@@ -11,13 +11,21 @@ from numpy.typing import NDArray
 from cg2raw.arrays import RawImage
 from cg2raw.cfa import repeat_of, sites_of
 from cg2raw.diagnose.captures.capture import KINDS, Capture, Kind
-from cg2raw.diagnose.captures.phase_correlation import Shift, far_words, shift_between
+from cg2raw.diagnose.captures.phase_correlation import (
+    LEAST_ALIKE,
+    Shift,
+    edges,
+    far_words,
+    likeness,
+    shared,
+    shift_between,
+    unlike_words,
+)
 from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
 from cg2raw.sensor import Sensor
 from cg2raw.statistics import codes
 
 MUCH_CLIPPING = 0.05  # of a frame's pixels; then its highlights say nothing
-LEAST_CORRELATION = 0.3  # of a scene and its render; unrelated ones have below 0.1
 DARK_SIGMAS = 10.0  # that a dark's mean may be off black: a light leak is more
 # Of the pixels, at 0: more than a normal dark leaves whose black is 2.3 sigma above 0.
 MANY_ZEROS = 0.01
@@ -28,6 +36,27 @@ ZERO_WORDS = (
 MOST_ZEROS = 0.5  # of the pixels, at 0: the median is cut off, too
 HOLES = 0.05  # share of missing codes that is worth a word; small frames have some
 ALONE = 0.5  # share of pixels at codes without neighbours; noise leaves none
+LIT = 1.0  # DN above black of a frame that holds light, if it has to be brighter
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A capture beside its render. shift : px of the sensor. alike : as of likeness,
+    without a shift or with it. light : DN above black, mean of what is predicted."""
+
+    shift: Shift
+    alike: float
+    light: float
+
+    @property
+    def complaints(self) -> list[str]:
+        """What is wrong with the render."""
+        if self.alike < LEAST_ALIKE:
+            return [unlike_words(self.alike)]
+        shift = self.shift
+        is_far = max(abs(shift.down), abs(shift.right)) > LARGEST_SHIFT
+        is_far &= shift.is_told
+        return [far_words(shift.down, shift.right)] if is_far else []
 
 
 @dataclass(frozen=True)
@@ -62,11 +91,12 @@ def integrity(
     capture: Capture,
     sensor: Sensor,
     by_plane: NDArray[np.uint32],
-    shift: Shift | None = None,
+    render: Beside | None = None,
 ) -> Integrity:
     """Return what the pixels of a capture say.
 
-    by_plane : (planes, codes) how many of those that count have each code."""
+    by_plane : (planes, codes) how many of those that count have each code. render : of
+    a scene."""
     counts = by_plane.sum(axis=0, dtype=np.int64)
     present, total = np.flatnonzero(counts), int(counts.sum())
     mean = float(counts @ np.arange(len(counts))) / total
@@ -88,14 +118,14 @@ def integrity(
         clipped=float(counts[sensor.white_level :].sum() / total),
         step=step * known,
         missing=codes.gaps(in_steps[int(in_steps.argmax()) % step :: step]),
-        shift=shift,
+        shift=None if render is None else render.shift,
         spacing=codes.spacing(below),
     )
     misfit = codes.misfit(counts, sensor.bits, sensor.white_level)
     words = [
-        *level_complaints(found, variance**0.5, sensor),
+        *level_complaints(found, variance**0.5, sensor, render),
         *([misfit] if misfit else code_complaints(found, in_steps, sensor)),
-        *scene_complaints(shift),
+        *([] if render is None else render.complaints),
     ]
     remarks = [ZERO_WORDS] if found.below > MANY_ZEROS else []
     return replace(found, complaints=tuple(words), remarks=tuple(remarks))
@@ -127,7 +157,9 @@ def of_means(capture: Capture, sensor: Sensor) -> Integrity:
     )
 
 
-def level_complaints(found: Integrity, spread: float, sensor: Sensor) -> list[str]:
+def level_complaints(
+    found: Integrity, spread: float, sensor: Sensor, render: Beside | None
+) -> list[str]:
     """Return what is wrong with a frame's levels. spread : DN, standard deviation."""
     words = []
     if found.low == found.high:
@@ -140,7 +172,8 @@ def level_complaints(found: Integrity, spread: float, sensor: Sensor) -> list[st
         words.append(
             f"its mean is {found.mean - black:.0f} DN above black: is it dark?"
         )
-    if is_lit and found.mean - black < 1.0:
+    light = np.inf if render is None else render.light
+    if is_lit and found.mean - black < min(LIT, light / 2):
         words.append("holds no light: is it a dark?")
     return words
 
@@ -199,30 +232,31 @@ def with_noise_remarks(found: Integrity, variance: float, sensor: Sensor) -> Int
     return replace(found, remarks=(*found.remarks, words))
 
 
-def scene_complaints(shift: Shift | None) -> list[str]:
-    """Return what is wrong with a render."""
-    if shift is None:
-        return []
-    if shift.correlation < LEAST_CORRELATION:
-        return [
-            f"the scene does not correspond: correlation {shift.correlation:.2f} with "
-            "its render"
-        ]
-    is_far = max(abs(shift.down), abs(shift.right)) > LARGEST_SHIFT
-    return [far_words(shift.down, shift.right)] if is_far else []
-
-
-def registration(
+def beside_render(
     raw: RawImage, scene: NDArray[np.float32], capture: Capture, sensor: Sensor
-) -> Shift:
-    """Return the shift of a render against its capture, px of the sensor."""
+) -> Beside:
+    """Return what a capture and its render, which are of one size, have in common."""
     light = sensor.illuminant(capture.illuminant, capture.as_shot)
     camera = sensor.to_camera(scene, illuminant=light, highlights=False)
     repeat = repeat_of(sensor.cfa)
     model = green_cells(sensor.mosaic(np.clip(camera, 0, 1)), sensor.cfa)
-    measured = green_cells(sensor.signal_from_raw(raw), sensor.cfa)
-    shift = shift_between(np.clip(measured, 0, 1), model)
-    return Shift(shift.down * repeat, shift.right * repeat, shift.correlation)
+    measured = green_cells(np.minimum(sensor.signal_from_raw(raw), 1), sensor.cfa)
+    shift = shift_between(np.maximum(measured, 0), model)
+    # Of noise, neighbours have nothing in common.
+    noise = float(np.sqrt(np.mean(np.diff(measured, axis=1) ** 2) / 2))
+    every = np.ones(model.shape, bool)
+    alike = 0.0
+    for first, second in (
+        (measured, model),
+        (edges(measured, every), edges(model, every)),
+    ):
+        for moved in ((0, 0), (round(shift.down), round(shift.right))):
+            alike = max(alike, likeness(*shared(first, second, *moved), noise))
+    return Beside(
+        Shift(shift.down * repeat, shift.right * repeat, shift.correlation),
+        alike,
+        float(model.mean()) * sensor.signal_range,
+    )
 
 
 def green_cells(mosaic: NDArray[np.float32], cfa: str) -> NDArray[np.float64]:

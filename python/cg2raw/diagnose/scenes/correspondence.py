@@ -9,18 +9,21 @@ from dataclasses import replace
 import numpy as np
 
 from cg2raw.diagnose.captures.phase_correlation import (
+    CONTRAST,
+    LEAST_ALIKE,
     Shift,
     far_words,
+    likeness,
     misplaced_words,
     shift_between,
+    unlike_words,
 )
 from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
+from cg2raw.diagnose.frames.tiling import Array
 from cg2raw.diagnose.scenes.point import Point
 from cg2raw.diagnose.scenes.registration import Placement, edges_of, first_guess
 
-LEAST_ALIKE = 0.5  # correlation of a capture and its render
 LEAST_USED = 0.01  # of the pixels of an image, between black and white
-CONTRAST = 3.0  # standard deviations of noise, of an image that has any
 
 
 def check_correspondence(
@@ -40,20 +43,18 @@ def check_correspondence(
                 f"between black and white; must be {LEAST_USED:.0%} at least: "
                 "expose otherwise, or give the scene's gain"
             )
-        mean, noise = point.mean[used], 1 / point.root[used]
-        signal, noise = view.signal[used], np.sqrt(np.mean(noise**2))
-        is_render = view.frame.capture.shows.render
-        if not is_render or max(mean.std(), signal.std()) < CONTRAST * noise:
-            continue  # too little contrast to tell
-        flat = min(mean.std(), signal.std()) < noise / CONTRAST
-        alike = 0.0 if flat else float(np.corrcoef(mean, signal)[0, 1])
+        if not view.frame.capture.shows.render:
+            continue
+        noise = float(np.sqrt(np.mean(point.root[used] ** -2.0)))
+        alike = likeness(view.signal[used], point.mean[used], noise)
+        both = edges_in(point)
         if alike < LEAST_ALIKE:
-            raise ValueError(
-                f"{name}: the scene does not correspond to the capture: they "
-                f"correlate by {alike:.2f}, and {LEAST_ALIKE} is the least: is it "
-                "the render of this frame, of the same view and crop, and are both "
-                "the same way up?"
-            )
+            alike = max(alike, likeness(both[:, 0], both[:, 1], noise / 2))
+        if alike < LEAST_ALIKE:
+            raise ValueError(f"{name}: {unlike_words(alike)}")
+        contrast = max(view.signal[used].std(), point.mean[used].std())
+        if contrast < CONTRAST * noise:
+            continue  # too little to tell where it lies
         found = placements.get(view.frame.capture.set, Placement.none()).affine[:, 0]
         for place in (found, first_guess(view.signal, point.mean, point.root > 0)):
             if np.abs(place).max() > LARGEST_SHIFT + 1:
@@ -62,17 +63,23 @@ def check_correspondence(
                     "and crop"
                 )
         if view.frame.capture.set not in placements:
-            shifts += shifts_of(point)
+            shifts += shifts_of(both)
     if words := misplaced_words(shifts):
         raise ValueError(words)
 
 
-def shifts_of(point: Point) -> Iterator[Shift]:
-    """Yield by how much the render of each tile lies beside it, px."""
-    for signal, mean, root in zip(
-        point.view.signal, point.mean, point.root, strict=True
-    ):
-        pair = (edges_of(image, root > 0) for image in (signal, mean))
+def edges_in(point: Point) -> Array:
+    """Return (T, 2, h, w), the edges in the tiles of a capture and of its render, which
+    are halved."""
+    usable = point.root > 0
+    pairs = zip(point.view.signal, point.mean, usable, strict=True)
+    return np.array([[edges_of(a, some), edges_of(b, some)] for a, b, some in pairs])
+
+
+def shifts_of(tiles: Array) -> Iterator[Shift]:
+    """Yield by how much the render of each tile lies beside it, px, where it is one of
+    it. tiles : as of edges_in."""
+    for pair in tiles:
         shift = shift_between(*pair)
-        if shift.correlation >= LEAST_ALIKE:
+        if shift.is_told:
             yield replace(shift, down=2 * shift.down, right=2 * shift.right)

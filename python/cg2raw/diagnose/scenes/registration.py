@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import fft
-from scipy.ndimage import gaussian_filter, map_coordinates
+from scipy.ndimage import map_coordinates
 
+from cg2raw.diagnose.captures.phase_correlation import edges
 from cg2raw.diagnose.diagnosis import LARGEST_SHIFT
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array, Mask
@@ -22,7 +23,6 @@ from cg2raw.diagnose.scenes.nuisances import pose_of
 LONGEST_STEP = 1.0  # px
 BRIGHTER = (0.8, 1.25)  # least and largest change of brightness in a step
 SMALL_SHIFT = 0.7  # of the best correlation, that a small shift must have
-SLOW = 3.0  # pairs of pixels; what is slower does not say where edges lie
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,5 @@ def edges_of(image: Array, usable: Mask) -> Array:
     height, width = (n // 2 * 2 for n in image.shape)
     shape = (height // 2, 2, width // 2, 2)
     small = image[:height, :width].reshape(shape).mean((1, 3))
-    inner = usable[:height, :width].reshape(shape).all((1, 3))
-    weight = gaussian_filter(inner.astype(float), SLOW)
-    slow = gaussian_filter(np.where(inner, small, 0), SLOW) / np.maximum(weight, 1e-9)
-    return np.where(inner, small - slow, 0)
+    inner = np.asarray(usable[:height, :width].reshape(shape).all((1, 3)))
+    return edges(small, inner)
