@@ -20,6 +20,7 @@ from cg2raw.model.flat_levels import (
     flat_levels,
     levels_set,
 )
+from cg2raw.model.shapes.dust import NAME as DUST
 from model.planted import planted
 
 ERROR, LEAST = 1e-4, 8.0
@@ -146,6 +147,7 @@ def levels_of(found, predicted, white=1.0, **more):
     levels, but for @more."""
     nothing = {"light": 0.0, "nuisances": frozenset(), "named": (), "doubted": ()}
     nothing |= {"shaded": np.ones(4), "greys": np.ones_like(predicted)}
+    nothing |= {"unseen_dust": 0.001}
     return flat_levels(found, predicted, "RGGB", white=white, **(nothing | more))
 
 
@@ -221,6 +223,16 @@ def test_a_black_level_that_is_doubted_may_be_off_by_as_much_as_white():
     one_site = np.kron(np.eye(4), np.ones((2, 2)))
     expected = one_site * 100.0**2 / np.outer(light, light)
     assert doubted - known == pytest.approx(expected)
+
+
+def test_dust_that_is_doubted_takes_as_much_of_all_light():
+    found = fit(planted(3, side=2, shape=(64, 80)).statistics)
+    is_flat = found.likelihood.planes[0].is_flat
+    predicted = np.tile(np.where(is_flat, 1.0, np.nan), (4, 1))
+    known, doubted = (
+        levels_of(found, predicted, doubted=one).covariance for one in ([], [DUST])
+    )
+    assert doubted - known == pytest.approx(np.full((8, 8), 1e-6))
 
 
 def test_a_drift_that_is_doubted_moves_all_sites_of_a_frame_by_the_read_noise():

@@ -36,7 +36,7 @@ from cg2raw.model.profile_values import (
     OF_EFFECTS,
     profile_lags,
 )
-from cg2raw.model.selection import LAMP, Selection, selection
+from cg2raw.model.selection import LAMP, OF_LENS, Selection, selection
 from cg2raw.model.shapes import shapes
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.model.values import Value, effect_values
@@ -98,7 +98,7 @@ class DarksAndFlats:
         self, statistics: ConstantStatistics, fit: Fit, named: Collection[str] = ()
     ) -> FlatLevels | None:
         """Return the levels of flats of some groups. named : as of LevelsOfFlats."""
-        flats = LevelsOfFlats(self.captures, self.frames, self.stated)
+        flats = LevelsOfFlats(self.captures, self.frames, self.stated, 0.0)
         return flats.of(statistics, fit, named)
 
 
@@ -172,6 +172,9 @@ def darks_and_flats(
     allowed = stated.allowed(whole)
     for name, variance in amplifiers.allowed(whole.planes[0].shape):
         allowed[name] = allowed.get(name, 0.0) + variance
+    if first is None or second is None:
+        for name in OF_LENS:
+            allowed[name] = allowed.get(name, 0.0) + _filtered(together, profile)
     found = selection(
         fits[0],
         fits[1],
@@ -183,12 +186,14 @@ def darks_and_flats(
         together,
     )
     named, may_be = found.kept(least), {*(every_name() if names is None else names)}
-    of_levels = LevelsOfFlats(captures, frames, stated).names_in_doubt(
+    flats = LevelsOfFlats(captures, frames, stated, of_shapes.unseen_dust)
+    of_levels = flats.names_in_doubt(
         [*zip(splits, fits, strict=True)],
         (both, together),
         named,
         least,
         doubts_of(found.gains, named, both, together) & may_be,
+        {name: others for name, others in found.alike.items() if name in named},
     )
     gains, alike = {**found.gains, **of_levels.gains}, dict(found.alike)
     for name, others in of_levels.alike.items():
@@ -243,6 +248,17 @@ def _check_codes(statistics: ConstantStatistics) -> None:
             f"but {most[g]:.2%} of its pixels have one code, and noise is not told "
             f"from patterns; {LARGER}"
         )
+
+
+def _filtered(found: Fit, profile: Array) -> float:
+    """Return the variance of a smooth coefficient of flats, relative to light, that
+    noise has besides if a filter, which no repeats show, took it from pixels alone."""
+    more = [0.0]
+    for plane in found.likelihood.planes:
+        lit = plane.light > 0
+        less = plane.noise(profile) - plane.noise(found.theta)
+        more += (less[lit] / plane.frames[lit] / plane.light[lit] ** 2).tolist()
+    return max(more)
 
 
 def _steps(sensor: Sensor) -> dict[str, float]:

@@ -3,7 +3,7 @@
 
 """Levels of flats of known light: what they name, and what else may have moved them."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,7 @@ from cg2raw.model.dark_levels import BLACK, DRIFT
 from cg2raw.model.fit import Fit
 from cg2raw.model.flat_levels import MATRIX, FlatLevels, flat_levels, levels_set
 from cg2raw.model.selection import OF_LENS
+from cg2raw.model.shapes.dust import NAME as DUST
 from cg2raw.model.smallest_set import SmallestSet
 from cg2raw.sensor import Sensor
 from cg2raw.statistics.constant import Array, ConstantStatistics
@@ -25,11 +26,13 @@ Fitted = tuple[ConstantStatistics, Fit]  # of some splits
 
 @dataclass(frozen=True)
 class LevelsOfFlats:
-    """Those of a capture set. stated : shapes of the profile, which statistics lack."""
+    """Those of a capture set. stated : shapes of the profile, which statistics lack.
+    unseen_dust : of all light, what dust may take outside of its spots."""
 
     captures: CaptureSet
     frames: UniformFrames
     stated: StatedShapes
+    unseen_dust: float
 
     def of(
         self,
@@ -56,6 +59,7 @@ class LevelsOfFlats:
             named=named,
             doubted=doubted,
             shaded=self.stated.mean,
+            unseen_dust=self.unseen_dust,
             greys=greys,
         )
 
@@ -80,9 +84,13 @@ class LevelsOfFlats:
         named: Collection[str],
         least: float,
         doubts: Collection[str],
+        alike: Mapping[str, Collection[str]],
     ) -> SmallestSet:
         """Return what levels name, and for each name, of `doubts` too, what may have
-        moved them instead: without the name, then, both splits together need none."""
+        moved them instead: without the name, then, both splits together need none.
+
+        alike : by name, what may be in the place of one of `named`, which may have made
+        the middle of frames brighter than it is."""
         found = self.names(splits, named, least)
         needed = {name for name, gain in found.gains.items() if gain > least}
         moved = {name: {*found.alike[name]} for name in needed}
@@ -92,6 +100,11 @@ class LevelsOfFlats:
             for name in needed - left if left < needed else ():
                 if not (other == OF_LENS[1] and OF_LENS[0] in moved[name]):
                     moved[name].add(other)
+        for shading in {*OF_LENS} & alike.keys() if needed else ():
+            rest = [name for name in named if name != shading]
+            again = self.names([both, both], rest, least).gains
+            for name in needed - {name for name, gain in again.items() if gain > least}:
+                moved[name] |= {*alike[shading]}
         return SmallestSet(found.gains, moved)
 
 
@@ -105,7 +118,7 @@ def doubts_of(
     named, and what such frames do not show.
 
     shown : names of which frames show something. statistics, found : of both splits."""
-    doubts = {*OF_LENS} & {*shown} - {*named} | {MATRIX}
+    doubts = {*OF_LENS} & {*shown} - {*named} | {MATRIX} | {DUST} & {*named}
     doubts |= {BLACK} if statistics.is_flat.all() else set()
     is_known = found.known[found.parameters.of(DRIFT)]
     return doubts if is_known else doubts | {DRIFT}

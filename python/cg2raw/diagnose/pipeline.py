@@ -19,6 +19,7 @@ from cg2raw.diagnose.frames.reader import read_frames
 from cg2raw.diagnose.scenes.decide import GLOW, decide
 from cg2raw.diagnose.scenes.flicker import is_shown
 from cg2raw.diagnose.scenes.noise_level import noise_models
+from cg2raw.diagnose.scenes.nuisances import UNSEEN
 from cg2raw.diagnose.verdict.constant import diagnosis_of, unfinished
 from cg2raw.diagnose.verdict.images import diagnosis_of_images
 from cg2raw.diagnose.verdict.together import together, with_images_alone
@@ -137,6 +138,8 @@ def _diagnosis_of(
     doubted = capture_set.nuisances  # light that is not known may have ramps and steps
     offsets = {FILTER} if doubted else of_means() | {GLOW}
     asked = names & (lit | {*LEVELS} | offsets)
+    stated = {entry["name"] for entry in capture_set.sensor.effects or ()}
+    doubts = names & {*UNSEEN} - asked - stated
     found, images = None, capture_set
     notes: list[str] = []
     has_both = False
@@ -169,8 +172,9 @@ def _diagnosis_of(
             has_both = {"dark", "flat"} <= kinds
             decided = shown if "dark" in kinds else shown - of_means()
             asked -= (decided | {one.name for one in found.effects}) - lit
+            doubts -= decided
     is_noise_known = found is not None or settings.most == 0
-    second = _of_images(images, asked, settings, said_of_images, is_noise_known)
+    second = _of_images(images, asked, doubts, settings, said_of_images, is_noise_known)
     whole = second if found is None else together(found, second, not has_both)
     whole = replace(whole, notes=[*notes, *whole.notes])
     return _finished(whole, names - shown - lit | asked, capture_set)
@@ -219,19 +223,22 @@ def _names(
 def _of_images(
     capture_set: CaptureSet,
     names: Collection[str],
+    doubts: Collection[str],
     settings: Settings,
     say: Progress,
     is_noise_known: bool,
 ) -> Diagnosis:
     """Return what scenes, charts and flats of known light show.
 
-    names : which may be named. is_noise_known : by darks and flats."""
+    names : which may be named. doubts : which there may be, unseen. is_noise_known : by
+    darks and flats."""
     frames = read_frames(capture_set, noise_models(capture_set), settings.pixels, say)
     measured = all(f.noise.measured for f in frames if f.samples is None)
     found = decide(
         capture_set,
         frames,
         names,
+        doubts=doubts,
         alpha=settings.alpha,
         most=settings.most,
         fits_noise=not (is_noise_known and measured),

@@ -19,6 +19,7 @@ from cg2raw.model.levels import CUT
 from cg2raw.model.mean_images import low_of, middle_of
 from cg2raw.model.planes import PlaneLikelihood
 from cg2raw.model.selection import OF_LENS
+from cg2raw.model.shapes.dust import NAME as DUST
 from cg2raw.model.smallest_set import SmallestSet, Way, smallest_set
 from cg2raw.statistics.constant import PIXEL, Array
 
@@ -183,6 +184,7 @@ def flat_levels(
     named: Collection[str],
     doubted: Collection[str],
     shaded: Array,
+    unseen_dust: float,
     greys: Array,
 ) -> FlatLevels | None:
     """Return the levels of flats; None if there are none.
@@ -195,7 +197,8 @@ def flat_levels(
     is too weak to be named or not shown, and may be there: light that falls off by the
     square of the distance from the middle; a black level of each site that may be
     anything; one that drifts by the read noise from frame to frame; a colour matrix,
-    which shows where flats are not grey. shaded : (sites,) the mean of a stated
+    which shows where flats are not grey; dust, of which @unseen_dust of all light may
+    be in none of its spots. shaded : (sites,) the mean of a stated
     shading, which mean images lack, over that in the middle. greys : as @predicted, of
     grey light; 1 of each without."""
     predicted = predicted * shaded[:, None]
@@ -231,6 +234,8 @@ def flat_levels(
     if MATRIX in doubted:
         mixed = MATRIX_SHARE * _mixed(predicted / greys[:, groups], letters)
         covariance += mixed.T @ mixed
+    if DUST in doubted:
+        covariance += unseen_dust**2
     drift = max(float(found.theta[found.parameters.of("black_level_drift")]), 0.0)
     covariance += of_sites * one_light * drift / frames[flat]
     # The mean of the pixels' sensitivity is not quite 1.

@@ -139,7 +139,7 @@ def selection(
             if gain_of(own & ~of_rows, values[0], validation, profile, least) < least:
                 alike = {**alike, name: (FLICKER,)}
         has_dust = DUST in shapes.found and shapes.found[DUST].nats > least
-        if has_dust and name == OF_LENS[0] and gains[name] > least:
+        if has_dust and name in OF_LENS and gains[name] > least:
             at = np.flatnonzero(own)
             of_spots = Prior(at, profile[at], shapes.corners**2 * np.eye(len(at)))
             if gain_of(own, values[0], validation, profile, least, of_spots) < least:

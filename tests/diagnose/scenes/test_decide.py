@@ -51,12 +51,13 @@ def images(model, seed=7, nuisances=frozenset(), **more):
     return CaptureSet(SENSOR, captures, nuisances), frames
 
 
-def decided(capture_set, frames, fits_noise=False, names=tuple(PLANTED)):
+def decided(capture_set, frames, fits_noise=False, names=tuple(PLANTED), doubts=()):
     """Return what is decided of all effects of PLANTED, or of names."""
     return decide(
         capture_set,
         frames,
         names,
+        doubts=doubts,
         alpha=0.01,
         most=6,
         fits_noise=fits_noise,
@@ -117,6 +118,27 @@ def test_values_and_renders_settle_both(value, far, moved):
         _place=lambda *_: far,
     )
     assert Scenes._move(scenes) == moved
+
+
+@pytest.mark.parametrize("doubt", ["mains_flicker", "amplifier_mismatch"])
+@pytest.mark.parametrize("is_doubted", [True, False])
+def test_what_images_do_not_show_may_be_in_place_of_shading(doubt, is_doubted):
+    """Waves that are of one phase in all frames by chance; halves that differ. A true
+    shading falls off to the corners."""
+    capture_set, frames = images(Model(SENSOR))
+    changed = []
+    for frame in frames:
+        v, _ = frame.tiles.places()
+        wave = np.cos(np.pi * 1.5 * v) if doubt == "mains_flicker" else np.sign(v)
+        changed.append(
+            replace(frame, signal=frame.signal * (1 + 0.005 * wave), memo={})
+        )
+    asked, doubts = ["lens_shading"], [doubt] if is_doubted else []
+    found = decided(capture_set, changed, names=asked, doubts=doubts)
+    assert found.chosen.names == asked
+    assert found.chosen.alike["lens_shading"] == [(one,) for one in doubts]
+    true = images(model_of(SENSOR, lens_shading=(-0.1,)))
+    assert not decided(*true, names=asked, doubts=[doubt]).chosen.alike["lens_shading"]
 
 
 def test_distortion_is_no_registration():

@@ -11,6 +11,7 @@ import pytest
 
 from cg2raw import Sensor
 from cg2raw.diagnose import darks_and_flats
+from cg2raw.diagnose.captures.splits import GROUPS
 from cg2raw.diagnose.pipeline import diagnose
 from cg2raw.synthetic.captures import draw_hidden, simulate_captures
 from cg2raw.synthetic.sensors import drawn_sensor
@@ -248,6 +249,35 @@ def test_levels_of_single_flats_without_darks_may_drift():
     found = diagnose(replace(captures, captures=kept), details=False)
     assert all("black_level_drift" in one.ambiguous_with for one in found.effects)
     assert found.effects
+
+
+def flats_of(seed, has_darks, splits, **strengths):
+    """Return captures by drawn_sensor(seed): flats of two levels, twice in some splits,
+    and single darks of two times."""
+    made = captures_of(seed, drawn_sensor(seed), **strengths)
+    kept = [
+        one
+        for one in made.captures
+        if "again" not in one.name or (one.kind == "flat" and one.group in splits)
+        if one.kind == "flat" or has_darks
+    ]
+    return replace(made, captures=kept)
+
+
+def test_light_that_dust_takes_outside_of_its_spots_is_in_no_sure_name():
+    """Two of twelve spots lie in one another at the edge, and one is masked."""
+    found = diagnose(flats_of(1187522582, True, GROUPS, dust=None), details=False)
+    alike = {one.name: one.ambiguous_with for one in found.effects}
+    assert alike.pop("dust") == [] and {"exposure", "color_shading"} <= alike.keys()
+    assert all("dust" in others for others in alike.values())
+
+
+def test_noise_that_a_filter_left_in_single_flats_is_no_shading():
+    """It took most of what pixels have, and little of what is smooth."""
+    captures = flats_of(1289026223, False, (), noise_reduction=0.335)
+    found = diagnose(captures, details=False)
+    alike = {one.name: one.ambiguous_with for one in found.effects}
+    assert alike == {"shot_noise": ["noise_reduction"]}
 
 
 @pytest.mark.parametrize(

@@ -72,7 +72,8 @@ Sums = dict[str, tuple[Normal, list[Nuisance]]]  # by split and set
 class Scenes:
     """What is known of images, more with every pass.
 
-    names : effects that may be named. most : how many at most. alpha : chance of a
+    names : effects that may be named. doubts : effects that there may be besides, and
+    that these frames do not show. most : how many names at most. alpha : chance of a
     false first name. fits_noise : no darks and flats tell it.
 
     effects : those with derivatives. known : standard errors of those that darks and
@@ -87,6 +88,7 @@ class Scenes:
     capture_set: CaptureSet
     views: Sequence[View]
     names: frozenset[str]
+    doubts: frozenset[str]
     alpha: float
     most: int
     fits_noise: bool
@@ -181,13 +183,15 @@ class Scenes:
         views = [view for view in self.views if view.group == group]
         return self.workers.map(lambda view: self.point(view, model), views)
 
-    def nuisances(self, point: Point, stated: bool = False) -> list[Nuisance]:
+    def nuisances(
+        self, point: Point, stated: bool = False, doubt: str = ""
+    ) -> list[Nuisance]:
         """stated : flicker is that of the profile, not that which was found."""
         blurred = point.model.term(BLUR) is not None
         found = self.shapes.get(FLICKER)
         flicker = self.stated_flicker if stated or found is None else found[0]
         frame, n = point.frame, point.view.n
-        return list(nuisances_of(self.capture_set, frame, n, flicker, blurred))
+        return [*nuisances_of(self.capture_set, frame, n, flicker, blurred, doubt)]
 
     @property
     def stated_flicker(self) -> Sequence[float] | None:
@@ -215,12 +219,13 @@ class Scenes:
         effects: Sequence[Effect],
         weights: Model | None = None,
         stated: bool = False,
+        doubt: str = "",
     ) -> Sums:
         """Return the normal equations of each set by some effects, in which views' own
         nuisances are integrated out.
 
-        weights : whose standard deviations count, None for those of the model. stated :
-        as of nuisances."""
+        weights : whose standard deviations count, None for those of the model. stated,
+        doubt : as of nuisances."""
         space = Space.of({one.name: len(one.used) for one in effects})
         counted = self._counted() if effects else np.zeros(0)
 
@@ -230,7 +235,7 @@ class Scenes:
                 point.charts = 1  # that decide nothing together
             if weights is not None:
                 point.root = self.point(view, weights).root
-            nuisances = self.nuisances(point, stated)
+            nuisances = self.nuisances(point, stated, doubt)
             normal = normal_of(point, effects, space, counted, nuisances)
             # Their images are large, and what they are called is enough.
             bare = [replace(one, change=np.zeros(0)) for one in nuisances]
@@ -248,13 +253,17 @@ class Scenes:
     def _sum(self) -> None:
         """Sum all views where the chain is linearised now."""
         self.sets = self._summed(self.views, self.effects)
+        self.grams = self._grams(self.sets)
+
+    def _grams(self, sets: Sums) -> Mapping[str, Gram]:
+        """Return the Gram of each group."""
         size = self.space.size
         empty = Gram(0, 0.0, np.zeros(size), np.zeros((size, size)))
         found: dict[str, list[Gram]] = {one: [empty] for one in (FIT, SELECT, REPORT)}
-        for key, (normal, nuisances) in self.sets.items():
+        for key, (normal, nuisances) in sets.items():
             rest = _without(normal, nuisances, False)
             found[key.partition("/")[0]].append(rest.gram(size))
-        self.grams = {name: reduce(add, every) for name, every in found.items()}
+        return {name: reduce(add, every) for name, every in found.items()}
 
     def _counted(self) -> Array:
         """Return theta without parameters that are the shape of others: nothing is left
@@ -302,27 +311,30 @@ class Scenes:
         self._refine()
         self._doubt_offsets()
         self._doubt_well()
+        self._doubt_light()
         self._measure_flicker()
         self._count_photons()
 
     def _pass(self) -> bool:
         """Choose anew; return whether anything moved far."""
         self._sum()
-        select = Selection(
-            self.space,
-            self.with_known(self.grams[FIT]),
-            self.grams[SELECT],
-            self.least,
-            self.alpha,
-            self.known,
-        )
-        self.chosen = self._chosen(select)
+        self.chosen = self._chosen(self._selection(self.grams))
         moved = self._step()
         moved |= self._fill_well()
         doubted = self.capture_set.nuisances & {"registration", "radiance"}
         if self._calibrates or doubted:
             moved |= self._fit_noise()
         return moved
+
+    def _selection(self, grams: Mapping[str, Gram]) -> Selection:
+        return Selection(
+            self.space,
+            self.with_known(grams[FIT]),
+            grams[SELECT],
+            self.least,
+            self.alpha,
+            self.known,
+        )
 
     def _chosen(self, select: Selection) -> Chosen:
         """Return the effects chosen of those whose values are possible."""
@@ -586,6 +598,17 @@ class Scenes:
         if full_well(train, validation, are_blended=True)[2] < self.least:
             self._add_alternatives(WELL, [FILTER])
 
+    def _doubt_light(self) -> None:
+        """Say what may be an effect that these frames do not show: what gains too
+        little if light is free to change as that makes it."""
+        names = self.chosen.names
+        for doubt in sorted(self.doubts) if names else ():
+            sets = self._summed(self.views, self.effects, doubt=doubt)
+            select = self._selection(self._grams(sets))
+            for name in names:
+                if select.nats(name, names) < self.least:
+                    self._add_alternatives(name, [doubt])
+
     def _find_flicker(self) -> None:
         """Judge whether light comes in waves, and of which period."""
         if FLICKER not in self.names or self.stated_flicker is not None:
@@ -681,13 +704,15 @@ def decide(
     frames: Sequence[Frame],
     names: Collection[str],
     *,
+    doubts: Collection[str],
     alpha: float,
     most: int,
     fits_noise: bool,
     workers: Workers,
     say: Say,
 ) -> Scenes:
-    """Return what images show. Raises ValueError for images that decide nothing."""
+    """Return what images show. Arguments: as of Scenes. Raises ValueError for images
+    that decide nothing."""
     views = views_of(frames)
     for group in (FIT, SELECT, REPORT):
         if not any(view.group == group for view in views):
@@ -696,7 +721,14 @@ def decide(
                 "report on different frames; add frames"
             )
     found = Scenes(
-        capture_set, views, frozenset(names), alpha, most, fits_noise, workers
+        capture_set,
+        views,
+        frozenset(names),
+        frozenset(doubts),
+        alpha,
+        most,
+        fits_noise,
+        workers,
     )
     found.run(say)
     return found

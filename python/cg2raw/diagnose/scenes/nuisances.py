@@ -23,6 +23,8 @@ from cg2raw.diagnose.effects.base import Effect
 from cg2raw.diagnose.effects.catalogue import every
 from cg2raw.diagnose.frames.frame import Frame
 from cg2raw.diagnose.frames.tiling import Array
+from cg2raw.model.amplifier_mismatch import NAME as MISMATCH
+from cg2raw.model.flicker import NAME as FLICKER
 from cg2raw.normal import CI95
 from cg2raw.sensor import Sensor
 
@@ -42,6 +44,8 @@ DEGREES = 6
 # error, and of the light on a chart, which lamps make even to some per cent.
 LEAST_DOUBT = {"light": 0.005, "radiance": 0.01}
 UNEVEN_CHART = 0.05
+UNSEEN = FLICKER, MISMATCH  # effects that some images have and do not show
+HALF_WAVES = 8  # of light down a frame: those of which smooth shading may be made
 SLOPE = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60  # derivative, to the sixth order
 
 
@@ -67,11 +71,12 @@ def nuisances_of(
     n: int,
     flicker: Sequence[float] | Array | None = None,
     is_blurred: bool = False,
+    doubt: str = "",
 ) -> Iterator[Nuisance]:
     """Yield the nuisances of a view of n frames, as its render lies.
 
     flicker : amplitude and period of that of the light. is_blurred : by the lens of the
-    model, whose far wings no effect has."""
+    model, whose far wings no effect has. doubt : one of UNSEEN, of any strength."""
     free, shows = capture_set.nuisances, frame.capture.shows
     if not shows.light:
         return
@@ -100,6 +105,15 @@ def nuisances_of(
         yield Nuisance("light", least["light"] / np.sqrt(n), True, camera)
     if is_table:
         return
+    if doubt == MISMATCH:
+        for name, change in ("response", camera), ("offset", np.ones_like(camera)):
+            yield Nuisance(f"{name} down", FREE, False, change, np.sign(v))
+            yield Nuisance(f"{name} across", FREE, False, change, 1.0, np.sign(u))
+    if doubt == FLICKER:
+        turns = v * np.hypot(*frame.tiles.shape) / frame.tiles.shape[0] + 1
+        for k in range(1, HALF_WAVES + 1):
+            wave = np.cos(k * np.pi / 2 * turns)
+            yield Nuisance(f"wave {k}", FREE, True, camera, wave)
     if shows.image and "radiance" in free:
         y, x = to_edge(v), to_edge(u)
         for a, b in fields(DEGREES):

@@ -78,6 +78,10 @@ class Selection:
             lost[name] = self._score(names) - self._validation.gain(theta) - chance
         return lost
 
+    def nats(self, name: str, names: Collection[str]) -> float:
+        """Return what validation scenes lose without one of some names."""
+        return self._score(frozenset(names)) - self._score(frozenset(names) - {name})
+
     def run(self, candidates: Collection[str], most: int) -> Chosen:
         """Return the effects chosen of some candidates, at most so many."""
         score, every = self._score, frozenset(candidates)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from cg2raw.model.fit import Fit
 from cg2raw.model.shapes.base import Shape, Shown
 from cg2raw.model.shapes.dust import NAME as DUST
-from cg2raw.model.shapes.dust import dust, like_shading, power_of_spots
+from cg2raw.model.shapes.dust import dust, like_shading, power_of_spots, unseen_light
 from cg2raw.model.shapes.heavy_tailed_noise import NAME as TAILS
 from cg2raw.model.shapes.heavy_tailed_noise import (
     core_of,
@@ -43,7 +43,8 @@ class Shapes:
     standard error.
     spots : by how much the variance of the pixels' sensitivity would be more with those
     in spots, which a profile's may have; of training frames. corners : the variance of
-    a coefficient of shading by dust in corners."""
+    a coefficient of shading by dust in corners. unseen_dust : of all light, what dust
+    may take outside of the spots that are masked."""
 
     found: Mapping[str, Shape]
     dark_median: tuple[float, float] = (0.0, 0.0)
@@ -52,6 +53,7 @@ class Shapes:
     spots: float = 0.0
     whole: tuple[float, float] = (1.0, 0.0)
     corners: float = 0.0
+    unseen_dust: float = 0.0
 
     def read_noise(
         self, profile: float, among: tuple[tuple[float, float] | None, ...]
@@ -86,7 +88,8 @@ def shapes(
     cores = tuple(core_of(shown, split) for split in splits)
     most = tuple(most_of(shown, split) if has_tails else None for split in splits)
     spots, whole = power_of_spots(shown, splits[0]), whole_of(shown, splits[1])
-    corners, of_dust = 0.0, by_name.get(DUST)
+    corners, unseen, of_dust = 0.0, 0.0, by_name.get(DUST)
     if of_dust is not None:
         corners = like_shading(of_dust, statistics.planes[0], statistics.side)
-    return Shapes(by_name, median, cores, most, spots, whole, corners)
+        unseen = unseen_light(of_dust)
+    return Shapes(by_name, median, cores, most, spots, whole, corners, unseen)

@@ -104,6 +104,14 @@ def like_shading(found: Shape, plane: PlaneStatistics, side: int) -> float:
     return 4 * float((coefficients.ravel()[1:] ** 2).mean())
 
 
+def unseen_light(found: Shape) -> float:
+    """Return the share of all light that dust may take outside of what its law says:
+    as much of what it takes as the law may leave of its evidence."""
+    density, depth, radius = (figure.value for figure in found.figures)
+    taken = density / MEGAPIXEL * depth * np.pi * radius**2
+    return MOST_LEFT * float(np.nan_to_num(taken))
+
+
 def _loss(numbers: Array, rows: Array, columns: Array) -> Array:
     row, column, depth, radius, power = numbers
     away = np.hypot(rows - row, columns - column) / radius
